@@ -252,10 +252,7 @@ void RunRecorder::restore(const std::vector<double>& position) {
 }
 
 void RunRecorder::finish(const Simulation& simulation, RunReport& report, double wall) {
-    if (wall > 0.0)
-        report.wall = wall;
-    else
-        report.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+    report.wall = wall > 0.0 ? wall : std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
     report.end = simulation.time();
     report.step = simulation.step();
     report.energy = simulation.workspace().energy.balance(means_.mark());

@@ -86,7 +86,7 @@ class Efficiency(Folder):
     def shown(self, page, row):
         """The numbers of a row of a page, in per cent."""
         text = Path(page).read_text()
-        begin = text.index(row)
+        begin = text.rindex(row)  # of a comparison that of the whole time
         return [float(number) for number in re.findall(r'data-value="([^"]*)"', text[begin:text.index("</tr>", begin)])]
 
     def test_is_one_in_summary_report_difference_sweep_and_python(self):

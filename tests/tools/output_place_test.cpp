@@ -47,7 +47,7 @@ TEST_F(HostilePlace, ReportsALimitOfFileSizesAsAnError) {
     const std::string before = read("good.html");
     const Outcome report = shell("ulimit -f 8; \"$CVTFLOW\" report good.h5");
     EXPECT_EQ(report.status, 1);
-    EXPECT_THAT(report.err, HasSubstr("cvtflow: good.html: cannot write: File too large"));
+    EXPECT_THAT(report.err, HasSubstr("cannot write the request to Python: File too large"));
     EXPECT_TRUE(read("good.html") == before);
     EXPECT_FALSE(exists("good.html.part"));
     const Outcome run =

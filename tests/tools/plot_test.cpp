@@ -416,7 +416,7 @@ TEST_F(PlotCommand, WithoutPythonOrALibraryReportsWhatToInstall) {
     }
 }
 
-/// Modules, settings and packages of the working folder, of PYTHONPATH, of a home that nobody can write; another locale.
+/// Modules, settings and packages of the working folder, of PYTHONPATH, of a home without permission to write; another locale.
 TEST_F(PlotCommand, TheEnvironmentOfAUserHasNoEffect) {
     ASSERT_EQ(run({"plot", "run.h5", "slip", "-o", "p.svg"}).status, 0);
     const std::string drawn = read("p.svg"), here = folder_.string();

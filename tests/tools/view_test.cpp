@@ -1,4 +1,4 @@
-/// What pictures and pages are made of: figures of channels, and the torque limits of a sweep's cases.
+/// Parts of pictures and pages: figures of channels, and the torque limits of a sweep's cases.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

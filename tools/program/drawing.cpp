@@ -32,7 +32,7 @@ public:
     explicit MemoryFile(std::string_view text = {}) : number_(memfd_create("cvtflow", MFD_CLOEXEC)) {
         for (std::size_t done = 0; number_ >= 0 && done < text.size();) {
             const ssize_t some = ::write(number_, text.data() + done, text.size() - done);
-            if (some < 0) throw std::runtime_error(fmt::format("no memory for a request to Python: {}", std::strerror(errno)));
+            if (some < 0) throw std::runtime_error(fmt::format("cannot write the request to Python: {}", std::strerror(errno)));
             done += static_cast<std::size_t>(some);
         }
         if (number_ < 0 || lseek(number_, 0, SEEK_SET) != 0)

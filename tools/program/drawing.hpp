@@ -7,7 +7,7 @@
 
 namespace cvtflow::tools {
 
-/// Starts the package of this installation or build tree and hands it the request. What it reports beside the result goes to stderr.
+/// Starts the package of this installation or build tree and hands it the request. Its warnings go to stderr.
 ///
 /// The interpreter is CVTFLOW_PYTHON, an absolute path, else the one that CMake found. It runs isolated (python3 -I), in the root folder
 /// and with few variables of the environment: nothing in the working folder, PYTHONPATH or the user's packages has an effect.

@@ -52,7 +52,7 @@ def _keys_that_differ(records, facts):
     if keys is None:
         return [text("This program cannot read the scenes of all records.")]
     if not keys:
-        return [text("Every key of both scenes has the same value." if len(records) == 2 else "Every key of the scenes has the same value.")]
+        return [text(f"Every key of {'both' if len(records) == 2 else 'the'} scenes has the same value.")]
     rows = [[key, *(_known.value_text(record, key) for record in records), facts.keys.get(key, ("", ""))[1]] for key in keys]
     return [table(["key", *letters(len(records)), "meaning"], rows, "keys", "Keys of the scenes that differ", "key",
                   styles={0: "code", len(records) + 1: "meaning"})]
@@ -125,8 +125,8 @@ def comparison(records, facts, si):
     if not whole.common:
         return [*blocks, text("The records have no common time, so their rows cannot be compared.")]
     if any(len(record["time"]) != len(records[0]["time"]) or (record["time"] != records[0]["time"]).any() for record in records[1:]):
-        blocks.append(text(f"Compared from {time_text(whole.begin)} to {time_text(whole.end)}, at the times of A; the others are interpolated to "
-                           "these times."))
+        blocks.append(text(f"Compared from {time_text(whole.begin)} to {time_text(whole.end)}, at the times of A; the others are "
+                           "interpolated to these times."))
     names = [name for name in plots.overview(records[0]) if all(name in record.info for record in records)]
     caption = f"Means over {late.periods} whole pin periods, the last fifth of the common time" if late.period else \
         "Means of the last fifth of the common time"

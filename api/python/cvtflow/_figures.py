@@ -12,6 +12,8 @@ import textwrap
 import matplotlib
 import numpy as np
 
+from . import _known
+
 STYLE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "cvtflow.mplstyle")
 _LEGEND = 26  # characters of a name in a legend beside the frame
 _WIDTH, _HEIGHT, _LOW = 8.6, 5.4, 3.0  # of a picture with one panel, of one of several [inch]
@@ -85,9 +87,10 @@ def dashes(number):
 
 
 def figure(width, height):
-    """A figure; with pyplot, if the caller uses it, so that notebooks and windows show it."""
-    pyplot = sys.modules.get("matplotlib.pyplot")
-    if pyplot is not None:
+    """A figure: pyplot's, which notebooks and windows show, but not where the program draws."""
+    if not _known.received:
+        from matplotlib import pyplot
+
         return pyplot.figure(figsize=(width, height), layout="constrained")
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -418,6 +421,8 @@ def picture(made, kind, mark=""):
         return _saved(made, kind, mark)
     finally:
         made.set_layout_engine(engine)
+        if "matplotlib.pyplot" in sys.modules:
+            sys.modules["matplotlib.pyplot"].close(made)
 
 
 def _saved(made, kind, mark):

@@ -61,8 +61,8 @@ def efficiency_of(changes):
 
 
 def efficiency_mean(record, name, begin, otherwise, end=None):
-    """The mean of an efficiency between two times of a record [s], over whole pin periods: the quotient of energies, as in the summary of a run.
-    `otherwise` of another channel. end: None: that of the record"""
+    """The mean of an efficiency between two times of a record [s], over whole pin periods: the quotient of energies, as in the summary of
+    a run. `otherwise` of another channel. end: None: that of the record"""
     sums, time = energies(name), record["time"]
     if not sums:
         return otherwise

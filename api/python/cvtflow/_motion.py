@@ -12,9 +12,9 @@ _TIPS = 4  # of a link: rear half -z, +z, front half -z, +z
 
 
 class Motion:
-    """[states, pins] each: x, y, z of the middles of the pins' rear halves [m]; pin_force: axial force of a pin on its sheaves, mean of both
-    sides [N]; tension: of the link behind the pin [N]; slip: 1 - Ω/ω of a pin that touches sheaves, Ω about their axis, 0 elsewhere; side:
-    0 free, 1, 2 between the sheaves of that shaft. pin_force and tension are None where they were not recorded."""
+    """[states, pins] each: x, y, z of the middles of the pins' rear halves [m]; pin_force: axial force of a pin on its sheaves, mean of
+    both sides [N]; tension: of the link behind the pin [N]; slip: 1 - Ω/ω of a pin that touches sheaves, Ω about their axis, 0 elsewhere;
+    side: 0 free, 1, 2 between the sheaves of that shaft. pin_force and tension are None where they were not recorded."""
 
     def __init__(self, record, most):
         scene, all_times = record.scene, record.states.time
@@ -26,9 +26,7 @@ class Motion:
         chosen, kept = [k * self.recorded // count for k in range(count)], []
         states, phases = [], []
         for number in chosen:
-            state, phase = record.states[number], record._file.phases(number)
-            if len(phase) != _TIPS * self.pins or len(state) < self.pins * self._block() or phase.max(initial=0) > 3:
-                raise ValueError(f"{record.path}: state {number} does not match its machine")
+            state, phase = self._state(record, number)
             if np.isfinite(state).all() and np.isfinite(all_times[number]):  # a run that diverged has no chain to show
                 kept.append(number)
                 states.append(state[:self.pins * self._block()])
@@ -36,6 +34,16 @@ class Motion:
         self.times = all_times[kept]
         if kept:
             self._place(record, np.array(states), np.array(phases))
+
+    def _state(self, record, number):
+        """Unknowns and phases of a state, which are compared with the machine, because the file may be forged."""
+        try:
+            state, phase = record.states[number], record._file.phases(number)
+            if len(phase) == _TIPS * self.pins and len(state) >= self.pins * self._block() and phase.max(initial=0) <= 3:
+                return state, phase
+        except (KeyError, IndexError, ValueError):  # arrays that are absent or shorter
+            pass
+        raise ValueError(f"{record.path}: state {number} does not match its machine")
 
     def _block(self):
         """Unknowns of a link or a rigid pin: coordinates, then velocities."""
@@ -73,7 +81,8 @@ class Motion:
     @staticmethod
     def _wide(record, group, width, rows):
         """Rows of the channel of forces of that width; None if there is none."""
-        name = next((name for name, column in record.info.items() if column.unit == "N" and column.width == width and name.startswith(group)), "")
+        name = next((name for name, column in record.info.items()
+                     if column.unit == "N" and column.width == width and name.startswith(group)), "")
         return np.array([record.read(name, row, 1)[0] for row in rows]) if name else None
 
 
@@ -96,7 +105,8 @@ def data(record, motion, si):
             made["colours"].append({"n": name, "u": label.partition(" [")[2].rstrip("]"), "v": quantised(factor * values)})
     first = not power_into(record, 1) < power_into(record, 2)
     made["labels"] = ["drive", "driven"] if first else ["driven", "drive"]
-    made["shafts"] = [{"angle": packed(angle, "<f4"), "radius": packed(radius, "<f4")} for angle, radius in zip(motion.angle, motion.radius)]
+    made["shafts"] = [{"angle": packed(angle, "<f4"), "radius": packed(radius, "<f4")}
+                      for angle, radius in zip(motion.angle, motion.radius)]
     return made
 
 
@@ -110,7 +120,8 @@ def pin_forces(motions, labels, heading, si=False):
     """Axial force of the pins over the angle about the shaft: mean over all states, with minimum and maximum. The figure."""
     label, factor = shown("pin force", "N", si)
     unit = label.partition(" [")[2].rstrip("]")
-    panel = Panel("Axial force of the pins round the pulleys", "angle about the shaft in its sense of turning, 0: away from the other shaft [°]",
+    panel = Panel("Axial force of the pins round the pulleys",
+                  "angle about the shaft in its sense of turning, 0: away from the other shaft [°]",
                   f"force of both halves on each sheave [{unit}]", x_ends=(-130.0, 130.0))
     for number, (motion, of) in enumerate(zip(motions, labels)):
         for shaft, name in ((1, "driving sheaves"), (2, "driven sheaves")):

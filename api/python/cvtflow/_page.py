@@ -26,8 +26,8 @@ def asset(name):
         if os.path.isfile(path):
             with open(path, encoding="utf-8") as file:
                 return file.read()
-    raise OSError(f"reports require {name}: install Debian's libjs-dygraphs and libjs-three, or run npm ci in {HERE}; cvtflow plot requires "
-                  "neither")
+    raise OSError(f"reports require {name}: install Debian's libjs-dygraphs and libjs-three, or run npm ci in {HERE}; cvtflow plot "
+                  "requires neither")
 
 
 def packed(values, kind):
@@ -124,7 +124,8 @@ def written(template, scripts, data, **values):
     return _environment().get_template(template).render(
         policy=f"default-src 'none'; script-src {' '.join(hashes) or repr('none')}; style-src 'unsafe-inline'; img-src data: blob:; "
                "base-uri 'none'; form-action 'none'",
-        style=style, scripts=bodies, data=_in_script(data), licences=asset("licenses.txt").partition("\n--")[0] + "\n" if foreign else "", **values)
+        style=style, scripts=bodies, data=_in_script(data),
+        licences=asset("licenses.txt").partition("\n--")[0] + "\n" if foreign else "", **values)
 
 
 def section(key, title, blocks, part="blocks", **more):
@@ -153,8 +154,8 @@ def folded(summary, blocks):
 
 
 def table(headings, rows, style="sortable", caption="", row="", key="", tall=False, styles=None):
-    """A table. headings: texts, or pairs with what a pointer over them shows; rows: cells, texts or number(); row: name of an attribute data-…
-    that contains the first cell; key: its id; tall: scrolls by itself; styles: classes by column"""
+    """A table. headings: texts, or pairs with what a pointer over them shows; rows: cells, texts or number(); row: name of an attribute
+    data-… that contains the first cell; key: its id; tall: scrolls by itself; styles: classes by column"""
     headings = [{"text": each, "title": ""} if isinstance(each, str) else {"text": each[0], "title": each[1]} for each in headings]
     classes = [(styles or {}).get(k, "") for k in range(len(headings))]
     return {"kind": "table", "headings": headings, "rows": [{"name": cells[0], "cells": cells} for cells in rows], "style": style,

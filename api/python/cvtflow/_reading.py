@@ -53,7 +53,7 @@ class RecordFile:
         return self._file["states/y"][number]
 
     def phases(self, number):
-        return self._file["states/phases"][number]
+        return self._file["states/phases"][number] if "phases" in self._file["states"] else np.empty(0, dtype=np.uint8)
 
     def transitions(self):
         return self._file["tables/transitions"][:]

@@ -88,6 +88,7 @@ def _plot(request):
 
 def made(request):
     """The bytes of the file that a request describes."""
+    _known.received["command"] = request["command"]  # there is no compiled module
     if request["command"] == "report":
         from . import pages
 

@@ -52,7 +52,7 @@ def _sealed(path):
 
 
 def late_row(record):
-    """The row from which the means begin that key figures are about: the last half of a run that ends when it is steady, else its last fifth."""
+    """The row from which the means of key figures begin: the last half of a run that ends when it is steady, else its last fifth."""
     steady = record.scene is not None and "steady" in str(record.scene["run.until"])
     return min(record.rows - 1, record.rows // 2 if steady else 4 * record.rows // 5), steady
 
@@ -79,14 +79,16 @@ def _figures(record, si):
         finite = values[np.isfinite(values)]
         label, factor = shown(name, column.unit, si)
         whole = _known.efficiency_mean(record, name, record["time"][0], mean(values))
-        figures = [whole, late.get(name, math.nan), *((finite.min(), finite.max()) if len(finite) else (math.nan, math.nan))]
+        ends = (finite.min(), finite.max()) if len(finite) else (math.nan, math.nan)
+        figures = [whole, late.get(name, math.nan), *ends]
         rows.append([name, unit_of(label), *(number(factor * each) for each in figures), column.description])
-    headings = ["channel", "unit", "mean", "mean of the last half, which is steady" if steady else "mean of the last fifth", "least", "largest",
-                "meaning"]
+    last = "mean of the last half, which is steady" if steady else "mean of the last fifth"
+    headings = ["channel", "unit", "mean", last, "least", "largest", "meaning"]
     end = record["time"][-1]
     periods = round((end - begin) * record.pin_frequency) if record.pin_frequency else 0
     how = f"The last means are over {periods} whole pin periods, from {time_text(begin)} on." if periods else ""
-    return [table(headings, rows, "sortable figures", record.path, "channel", styles={6: "meaning"}), *([text(how, "small")] if how else [])]
+    made = table(headings, rows, "sortable figures", record.path, "channel", styles={6: "meaning"})
+    return [made, *([text(how, "small")] if how else [])]
 
 
 def unit_of(label):
@@ -113,8 +115,8 @@ def _about(record, facts):
     rows.append(("conditions", plots.conditions(record)))
     if drive := _drive_text(record):
         rows.append(("power", drive))
-    rows.append(("time", f"{time_text(time[0])} to {time_text(time[-1])}, {record.rows:,} rows, {len(record.states)} states".replace(",", " ", 1)
-                 if record.rows > 999 else f"{time_text(time[0])} to {time_text(time[-1])}, {record.rows} rows, {len(record.states)} states"))
+    count = f"{record.rows:,}".replace(",", " ")
+    rows.append(("time", f"{time_text(time[0])} to {time_text(time[-1])}, {count} rows, {len(record.states)} states"))
     return rows
 
 
@@ -132,8 +134,8 @@ def _simulated(records, facts):
 
 
 def curve_data(record, most, si):
-    """All curves of a record, in at most about that many bytes of text: {"label", "rows", "shown", "t", "targets", "curves": [{"n", "u", "d",
-    "v" or "c"}]}."""
+    """All curves of a record, in at most about that many bytes of text: {"label", "rows", "shown", "t", "targets", "curves": [{"n", "u",
+    "d", "v" or "c"}]}."""
     found = []
     for channel, column in record.info.items():
         for name in plots.find(record, channel):
@@ -200,8 +202,8 @@ def _chains(records, data, si):
     data["motions"] = [_motion.data(record, motion, si) for record, motion in motions]
     counts = "; ".join(f"{record.path + ': ' if len(motions) > 1 else ''}{len(motion.times)} of {motion.recorded} recorded states"
                        for record, motion in motions)
-    how = text(f"{counts}. Drag to turn, wheel to zoom, click a pin to plot it. Displacements are not magnified; between states the chain is "
-               "interpolated.", "small")
+    how = text(f"{counts}. Drag to turn, wheel to zoom, click a pin to plot it. Displacements are not magnified; between states the "
+               "chain is interpolated.", "small")
     made = [section("running", "Running chain", [how], "running", records=[record.path for record, _ in motions])]
     with_forces = [(record, motion) for record, motion in motions if motion.has_pulleys and motion.pin_force is not None]
     if with_forces:
@@ -270,8 +272,8 @@ def _measured(records, measured, si):
             rows.append([record.path, name, unit_of(label), number(len(apart), "{:.0f}"), number(mean(apart), "{:+.4g}"),
                          number(math.sqrt(mean(apart**2)) if len(apart) else math.nan, "{:.4g}"), number(largest, "{:+.4g}")])
     return [picture(plots.curves(records, names, measured=measured, si=si), "measured"),
-            table(["record", "channel", "unit", "points", "mean", "root mean square", "largest"], rows, caption="Simulated - measured, at the "
-                  "measured times within the record, between the points of the curves that are drawn")]
+            table(["record", "channel", "unit", "points", "mean", "root mean square", "largest"], rows,
+                  caption="Simulated - measured, at the measured times within the record, between the points of the curves that are drawn")]
 
 
 def _wear(records):

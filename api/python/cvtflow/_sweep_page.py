@@ -9,8 +9,8 @@ from . import _known, maps
 from ._channels import shown
 from ._page import heading, number, pairs, picture, provenance, section, table, text
 
-_BOOKKEEPING = {"case", "energy_residual", "energy_suspicion", "steps", "evaluations", "transitions", "truncated", "settling_evaluations", "wall",
-                "threads"}
+_BOOKKEEPING = {"case", "energy_residual", "energy_suspicion", "steps", "evaluations", "transitions", "truncated",
+                "settling_evaluations", "wall", "threads"}
 _MOST_MAPS, _MOST_FRAMES = 12, 4  # with all their frames; frames of one result
 
 
@@ -19,7 +19,8 @@ def statuses(sweeps):
     found = []
     for results in sweeps:
         status, count = list(results["status"]), len(results["status"])
-        items = [("good" if name == "ok" else "bad", name, f": {cases} of {count} cases") for name, cases in sorted(collections.Counter(status).items())]
+        items = [("good" if name == "ok" else "bad", name, f": {cases} of {count} cases")
+                 for name, cases in sorted(collections.Counter(status).items())]
         words = collections.Counter(word for cell in results.get("notes", []) for word in str(cell).replace(";", " ").split())
         items += [("note", f"note {name}", f": {cases} of {count} cases") for name, cases in sorted(words.items())]
         found.append({"heading": results.path if len(sweeps) > 1 else "",
@@ -61,7 +62,7 @@ def _cases(results, key, si):
         headings.append((f"{name} [{unit}]" if unit else name, results.info[name].description))
         if is_number(results, name):
             values = factor * np.asarray(results[name], dtype=float)
-            columns.append([{"shown": f"{each:.6g}" if math.isfinite(each) else "–", "value": f"{each:.17g}" if math.isfinite(each) else None}
+            columns.append([{"shown": f"{each:.6g}", "value": f"{each:.17g}"} if math.isfinite(each) else {"shown": "–", "value": None}
                             for each in values.tolist()])
         else:
             columns.append([str(each) for each in results[name]])
@@ -74,8 +75,8 @@ def _result_names(results):
 
 
 def _frames(results, x, y, si):
-    """The cases that a map over x and y shows: all where only these vary, else those of each value of a third key, of many values some; every
-    other key must follow from the third one and y. None: there is no such key."""
+    """The cases that a map over x and y shows: all where only these vary, else those of each value of a third key, of many values some;
+    every other key must follow from the third one and y. None: there is no such key."""
     keys = [name for name in results if _known.is_key(name) and name not in (x, y) and _varies(results, name)]
 
     def follow(rows, names):
@@ -88,7 +89,8 @@ def _frames(results, x, y, si):
         column = np.asarray(results[third])
         values = np.unique(column).tolist()
         if all(follow(column == value, [name for name in keys if name != third]) for value in values):
-            chosen = [values[k * (len(values) - 1) // (_MOST_FRAMES - 1)] for k in range(_MOST_FRAMES)] if len(values) > _MOST_FRAMES else values
+            count = min(len(values), _MOST_FRAMES)
+            chosen = [values[k * (len(values) - 1) // max(1, count - 1)] for k in range(count)]
             return [_framed(results.where(**{third: value}), third, value, si) for value in chosen]
     return None
 
@@ -108,7 +110,8 @@ def _maps(results, si):
         frames, found = _frames(results, axes[-1], other, si), []
         for name in _result_names(results) if frames else []:
             try:
-                if len(found) < min(6, _MOST_MAPS // len(frames)) and not all(maps.is_trivial(frame, axes[-1], other, name) for frame in frames):
+                is_new = not all(maps.is_trivial(frame, axes[-1], other, name) for frame in frames)
+                if is_new and len(found) < min(6, _MOST_MAPS // len(frames)):
                     found.append(maps.maps(frames, axes[-1], other, name, si=si))
             except _known.Misuse:  # several cases at one point, which the picture above shows; or no number in a frame
                 pass
@@ -123,7 +126,8 @@ def _measured(sweeps, measured, si):
     there = [name for name in results if is_number(results, name) and measured.has(name, results.info[name].unit)]
     keys, outputs = [name for name in there if _known.is_key(name)], [name for name in there if not _known.is_key(name)]
     if not keys or not outputs:
-        raise _known.Misuse(f"--with {measured.path}: a key and an output of {results.path} are needed among its headings: {measured.names()}")
+        raise _known.Misuse(f"--with {measured.path}: a key and an output of {results.path} are needed among its headings: "
+                            f"{measured.names()}")
     return [picture(maps.lines(sweeps, keys[0], name, measured=measured, si=si), f"measured-{k}") for k, name in enumerate(outputs)]
 
 

@@ -40,21 +40,20 @@ def vehicle(record, name):
     delivered, wanted = -_gained(record, "work/load"), _gained(record, "vehicle/shaft_2")
     per_100_km = 1e5 / way / _KWH
     rows = [("distance", f"{way:.4g} m in {time_text(time[-1] - time[0])}"),
-            ("consumption", f"{per_100_km * (given + pump):.4g} kWh/100 km: work of shaft 1{' and the pump' if pump else ''} over the distance"),
+            ("consumption", f"{per_100_km * (given + pump):.4g} kWh/100 km: work of shaft 1{' and the pump' if pump else ''} over the "
+                            "distance"),
             ("shaft 2", f"{1e-3 * delivered:.4g} kJ delivered of {1e-3 * wanted:.4g} kJ that the cycle needs"
                         + (f" ({100.0 * (delivered / wanted - 1.0):+.3g} %)" if wanted else "")),
             ("speed of shaft 2", f"off the cycle's by {100.0 * np.mean(abs(actual - needed)) / np.mean(abs(needed)):.3g} % on average"),
             ("largest miss", f"{3.6 * lever * (actual[worst] - needed[worst]):+.3g} km/h at {time_text(time[worst])}"
                              + (f": speed of shaft 2 {100.0 * (actual[worst] / needed[worst] - 1.0):+.3g} %" if needed[worst] else ""))]
     kinds = [(kind, f"vehicle/{kind}") for kind in _KINDS]
-    energies = [[kind.replace("_", " "), number(1e-3 * _gained(record, each), "{:.4g}"), number(per_100_km * _gained(record, each), "{:.4g}"),
-                 record.info[each].description] for kind, each in kinds if each in record.info]
-    energies += [[words, number(1e-3 * each, "{:.4g}"), number(per_100_km * each, "{:.4g}"), what] for words, each, what in
-                 (("shaft 2 needs", wanted, "sum of these"), ("shaft 2 delivers", delivered, "work that the load took"),
-                  ("shaft 1 takes", given, "work of the drive"))]
+    found = [(kind.replace("_", " "), _gained(record, each), record.info[each].description) for kind, each in kinds if each in record.info]
+    found += [("shaft 2 needs", wanted, "sum of these"), ("shaft 2 delivers", delivered, "work that the load took"),
+              ("shaft 1 takes", given, "work of the drive")]
     if "dissipated/total" in record.info:
-        lost = _gained(record, "dissipated/total")
-        energies.append(["lost in the variator", number(1e-3 * lost, "{:.4g}"), number(per_100_km * lost, "{:.4g}"), "dissipated by all kinds"])
+        found.append(("lost in the variator", _gained(record, "dissipated/total"), "dissipated by all kinds"))
+    energies = [[words, number(1e-3 * each, "{:.4g}"), number(per_100_km * each, "{:.4g}"), what] for words, each, what in found]
     return [pairs(rows), table(["energy", "kJ", "kWh/100 km", "meaning"], energies, "sortable", "Energies by kind over the record",
                                styles={3: "meaning"}),
             picture(_speeds(record, time, 3.6 * lever * needed, 3.6 * lever * actual, worst), name)]
@@ -67,7 +66,8 @@ def _speeds(record, time, needed, actual, worst):
     cycle = 3.6 * record["vehicle/speed"]
     driven = np.where(needed > 1.001 * cycle + 1e-3, np.nan, actual)  # the starting clutch slips: shaft 2 turns faster than the wheels need
     speeds = Panel("Speed against the cycle", label, "speed [km/h]", height=3.2)
-    speeds.lines.append(Line("vehicle, by shaft 2 where the clutch is closed", *thinned(scale * time, driven, _COLUMNS), {"linewidth": 2.0}))
+    speeds.lines.append(Line("vehicle, by shaft 2 where the clutch is closed", *thinned(scale * time, driven, _COLUMNS),
+                             {"linewidth": 2.0}))
     speeds.lines.append(Line("cycle", *thinned(scale * time, cycle, _COLUMNS), {"color": "#222222", "linestyle": "dashed"}))
     miss = Panel("Speed of shaft 2 less what the cycle needs", label, "speed [km/h]", height=2.2)
     miss.lines.append(Line("", *thinned(scale * time, actual - needed, _COLUMNS), {}))

@@ -52,8 +52,8 @@ class Facts:
         if not rows:
             return [_page.text(f"Every key {f'that the {shared_by} share' if shared_by else 'of the scene'} has its default.")]
         summary = f"{len(rows)} difference{'s' if len(rows) > 1 else ''} from defaults{f', common to all {shared_by}' if shared_by else ''}"
-        return [_page.folded(summary, [_page.table(["key", "here", "default", "meaning"], [list(row) for row in rows], "keys", row="default",
-                                                   styles={0: "code"})])]
+        made = _page.table(["key", "here", "default", "meaning"], [list(row) for row in rows], "keys", row="default", styles={0: "code"})
+        return [_page.folded(summary, [made])]
 
 
 def brief(value):
@@ -80,8 +80,8 @@ def _written(parts):
 
 
 def report(of: Any, output: Any = None, with_: Any = None, si: bool = False) -> Any:
-    """Writes a page: status and notes, key figures, scene, curves, running chain, losses, spectra and provenance of records; maps and cases of
-    sweeps. Several are shown beside each other.
+    """Writes a page: status and notes, key figures, scene, curves, running chain, losses, spectra and provenance of records; maps and
+    cases of sweeps. Several are shown beside each other.
 
     of      a cvtflow.Record or the path of one, Results of a sweep, or several of either
     output  path of the page; None: nothing is written

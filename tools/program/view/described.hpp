@@ -1,5 +1,5 @@
 #pragma once
-/// What a request to the Python package contains about its inputs: what this program alone knows. Numbers of records Python reads itself.
+/// Inputs as a request to the Python package describes them: facts that this program alone knows. Numbers of records Python reads itself.
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -24,8 +24,8 @@
 #include "engine/record/run/schema.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/command/record/fmu_description.hpp"
-#include "tools/program/guard.hpp"
 #include "tools/program/embedded.hpp"
+#include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/program.hpp"
 #include "tools/program/text/markup.hpp"
@@ -227,9 +227,10 @@ std::string documentation_of(const FmuFacts& facts, const std::vector<FmuVariabl
         "returns a warning, and the log states the reason.</p>\n{5}{4}<p><a "
         "href=\"licenses/license.txt\">Licences</a></p>\n</body>\n</html>\n",
         html(facts.name), html(facts.description), version, engine::current_provenance().version,
-        fmt::format("<table><caption>Variables</caption><thead><tr><th>name</th><th>causality</th><th>unit</th><th>meaning</th></tr></thead>"
-                    "<tbody>\n{}</tbody></table>\n",
-                    rows_of(variables)),
+        fmt::format(
+            "<table><caption>Variables</caption><thead><tr><th>name</th><th>causality</th><th>unit</th><th>meaning</th></tr></thead>"
+            "<tbody>\n{}</tbody></table>\n",
+            rows_of(variables)),
         facts.sources.empty() ? ""
                               : fmt::format("<p>sources/ has the library's sources. In that folder, GCC or Clang build it by<br><code>c++ "
                                             "@build.txt -o ../binaries/{}/{}.so</code><br>and with -march=native for this processor: "
@@ -240,9 +241,9 @@ std::string documentation_of(const FmuFacts& facts, const std::vector<FmuVariabl
 /// Documents beside the description: a page, licences, an icon. @param version  2 or 3
 std::vector<ZipPart> fmu_documents(const FmuFacts& facts, const std::vector<FmuVariable>& variables, int version) {
     const auto file = [](const char* name, const char* of) { return ZipPart{name, std::string(embedded(of))}; };
-    std::vector<ZipPart> parts{
-        {"documentation/index.html", documentation_of(facts, variables, version)},
-        {"documentation/licenses/license.txt", fmt::format("{}\n{}\n{}", embedded("LICENSE"), std::string(80, '-'), embedded("licenses.txt"))}};
+    std::vector<ZipPart> parts{{"documentation/index.html", documentation_of(facts, variables, version)},
+                               {"documentation/licenses/license.txt",
+                                fmt::format("{}\n{}\n{}", embedded("LICENSE"), std::string(80, '-'), embedded("licenses.txt"))}};
     if (version == 2) {
         parts.push_back(file("model.png", "fmu_icon.png"));
     } else {

@@ -70,7 +70,7 @@ void add_sweep(Json& request, const std::string& file) {
     request["sweeps"].push_back(std::move(sweep));
 }
 
-/// What the Python package requires for a page.
+/// The request for a page.
 Json request_of(const ReportArguments& arguments) {
     Json request{{"command", "report"}, {"known", known_json()}, {"options", {{"si", arguments.si}}}};
     add_meanings(request);
@@ -109,7 +109,8 @@ Action declare_report(CLI::App& app) {
     app.add_flag("--force", arguments->force, force_meaning);
     app.footer(
         "The page is one file and needs no network: status and warnings, key figures and differences, vehicle, scene, curves, running\n"
-        "chain, pin forces, losses, wear, spectra, provenance. Python draws (python3-matplotlib, python3-h5py, python3-jinja2). A page of the same scene or sweep is replaced, any other file only with "
+        "chain, pin forces, losses, wear, spectra, provenance. Python draws (python3-matplotlib, python3-h5py, python3-jinja2). A page of "
+        "the same scene or sweep is replaced, any other file only with "
         "--force. Long records are thinned "
         "to minima and maxima, and the page states it.");
     return [arguments] { return report(*arguments); };

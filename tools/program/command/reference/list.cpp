@@ -18,8 +18,8 @@
 #include "tasks/scene/ready_scenes.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/command/reference/terms.hpp"
-#include "tools/program/guard.hpp"
 #include "tools/program/embedded.hpp"
+#include "tools/program/guard.hpp"
 #include "tools/program/program.hpp"
 #include "tools/program/text/text.hpp"
 
