@@ -96,7 +96,7 @@ class SweepPicture {
   legend(picture) {
     if (this.sweep.names.length < 2) return;
     this.sweep.names.forEach((name, k) => {
-      picture.append(drawn("path", {d: mark(k, 722, 232 + 20 * k), fill: "#666"}), drawn("text", {x: 734, y: 236 + 20 * k}, name));
+      picture.append(drawn("path", {d: mark(k, 722, 232 + 20 * k), fill: "#666"}), drawn("text", {x: 734, y: 236 + 20 * k}, name.length > 17 ? "…" + name.slice(-16) : name));
     });
   }
 
