@@ -7,7 +7,7 @@ import numpy as np
 
 from . import _known, maps
 from ._channels import shown
-from ._page import heading, number, pairs, picture, provenance, section, table, text
+from ._page import heading, pairs, picture, provenance, section, table, text
 
 _BOOKKEEPING = {"case", "energy_residual", "energy_suspicion", "steps", "evaluations", "transitions", "truncated",
                 "settling_evaluations", "wall", "threads"}
