@@ -130,8 +130,8 @@ def draw(panels, heading="", ax=None):
                     axis.sharex(axes[0])
         if len(axes) < len(panels):
             raise ValueError(f"ax: {len(panels)} panels require as many Axes")
-        for axis, panel in zip(axes, panels):
-            below = panels[panels.index(panel) + 1:]
+        for number, (axis, panel) in enumerate(zip(axes, panels), 1):
+            below = panels[number:]
             _fill(axis, panel, ax is not None or not (below and below[0].x == panel.x and below[0].scales[0] == panel.scales[0]))
         made.panels = panels
     return made
