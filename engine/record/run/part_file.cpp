@@ -5,10 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <thread>
 
 #include "engine/record/hdf5/file_seal.hpp"
 #include "engine/record/run/schema.hpp"
@@ -142,7 +140,7 @@ bool is_there(const std::string& path) {
 void require_at_rest(const std::string& path) {
     if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot be continued: " + other);
     // A run that was killed may have a child that tries a file for it, with the same locks, and ends a moment later.
-    for (int wait = 0; wait < 50 && being_written(path); ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    for (int wait = 0; wait < 50 && being_written(path); ++wait) usleep(10'000);
     if (being_written(path)) throw RecordError(path + ": cannot be continued: a run is still writing it");
 }
 
