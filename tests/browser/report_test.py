@@ -130,7 +130,7 @@ class RunReport(Page):
             self.assertEqual(len(figures) == 0, len(values) == 0, name)
             if not figures:
                 continue
-            mean, _, least, largest = figures
+            mean, *_, least, largest = figures
             of_energies = "efficiency" in name  # its mean is a quotient of energies (python_results_test)
             for shown, true in ((mean, mean if of_energies else values.mean()), (least, values.min()), (largest, values.max())):
                 self.assertAlmostEqual(shown, true, delta=1e-8 * abs(true) + 1e-300)  # nine digits
