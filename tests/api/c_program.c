@@ -232,8 +232,8 @@ static void check_rigid_pins(const cvtflow_scene* scene) {
     CHECK(cvtflow_advance_to(simulation, -2.9e-4, NULL) == CVTFLOW_OK);
     check_states(simulation);
     CHECK(cvtflow_channel_find(simulation, "tight_tension", &channel, NULL) == CVTFLOW_OK);
-    CHECK(cvtflow_channel_values(simulation, channel, &values, &width, NULL) == CVTFLOW_OK && width == 1);
-    CHECK(values[0] != 0.0 && values[0] > -100.0 && values[0] < 100.0); /* it begins with its own pull of 14 N */
+    CHECK(cvtflow_advance_to(simulation, 0.0, NULL) == CVTFLOW_OK); /* its clamping is there; it began with its own pull, 14 N */
+    CHECK(cvtflow_channel_values(simulation, channel, &values, &width, NULL) == CVTFLOW_OK && width == 1 && values[0] > 100.0);
     cvtflow_destroy(simulation);
     cvtflow_scene_release(rigid);
     cvtflow_scene_release(level);

@@ -29,19 +29,30 @@ protected:
                "to = \"6 kN\"\ncount = 4\n[outputs]\nscalars = [\"slip mean\", \"tight_tension max\"]\n[start]\nmode = \""
             << mode << "\"\n"
             << more;
+        return written();
+    }
+    /// The sweep that a test has written.
+    [[nodiscard]] Sweep written() const {
         return read_sweep(folder_ / "s.toml",
                           [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
     }
+    /// One engine and what it needs.
+    struct Worker {
+        Worker(const Sweep& sweep, const std::filesystem::path& folder)
+            : starts(sweep, folder / "states"),
+              engine(sweep, starts, control, {folder / "checkpoints", folder / "records", folder / "continuation"}) {}
+        StartStates starts;
+        engine::Cancellation never;
+        BatchControl control{1, 1.0, never};
+        CaseEngine engine;
+    };
     /// Allocations of each case, one after the other on one engine.
     [[nodiscard]] std::vector<long> allocations(const Sweep& sweep) const {
-        StartStates starts(sweep, folder_ / "states");
-        const engine::Cancellation never;
-        BatchControl control(1, 1.0, never);
-        CaseEngine engine(sweep, starts, control, {folder_ / "checkpoints", folder_ / "records", folder_ / "continuation"});
+        Worker worker(sweep, folder_);
         std::vector<long> counts;
         for (long number = 0; number < sweep.cases(); ++number) {
             const long before = engine::test::allocation_count();
-            EXPECT_EQ(engine.run(number).status, CaseStatus::ok);
+            EXPECT_EQ(worker.engine.run(number).status, CaseStatus::ok);
             counts.push_back(engine::test::allocation_count() - before);
         }
         return counts;
@@ -80,16 +91,12 @@ TEST_F(CaseOfAWorker, MeansDoNotDependOnTheOutputInterval) {
            "[[axes]]\nkey = \"run.output_interval\"\nvalues = [\"20 us\", \"712.9 us\", \"5 ms\"]\n[start]\nmode = \"shared\"\n"
            "[outputs]\nscalars = [\"slip mean\", \"tight_tension mean\", \"tips/axial_force[*] rms\", \"shaft_2/chain_torque mean\", "
            "\"loss/total mean\", \"shaft_1/speed mean\"]\n";
-    const Sweep sweep = read_sweep(folder_ / "s.toml",
-                                   [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
-    StartStates starts(sweep, folder_ / "states");
-    const engine::Cancellation never;
-    BatchControl control(1, 1.0, never);
-    CaseEngine engine(sweep, starts, control, {folder_ / "checkpoints", folder_ / "records", folder_ / "continuation"});
-    const CaseResult first = engine.run(0);
+    const Sweep sweep = written();
+    Worker worker(sweep, folder_);
+    const CaseResult first = worker.engine.run(0);
     ASSERT_EQ(first.status, CaseStatus::ok) << first.error;
     for (long number = 1; number < sweep.cases(); ++number) {
-        const CaseResult& other = engine.run(number);
+        const CaseResult& other = worker.engine.run(number);
         ASSERT_EQ(other.status, CaseStatus::ok) << other.error;
         for (std::size_t i = 0; i < sweep.scalars.size(); ++i)
             EXPECT_NEAR(other.scalars[i], first.scalars[i], 5e-3 * std::abs(first.scalars[i])) << sweep.scalars[i].text << ", " << number;
@@ -102,13 +109,9 @@ TEST_F(CaseOfAWorker, AveragesOverTheWholePinPeriodsOfTheSummary) {
         << "[sweep]\nscene = \"tiny\"\ndetail = \"rigid\"\n[set]\nrun.until = \"12 ms\"\n[[axes]]\nkey = "
            "\"load.torque\"\nvalues = [\"8 N*m\"]\n[outputs]\nscalars = [\"slip mean\", \"tight_tension mean\", "
            "\"efficiency mean\", \"shaft_2/chain_torque mean\"]\n";
-    const Sweep sweep = read_sweep(folder_ / "s.toml",
-                                   [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
-    StartStates starts(sweep, folder_ / "states");
-    const engine::Cancellation never;
-    BatchControl control(1, 1.0, never);
-    CaseEngine engine(sweep, starts, control, {folder_ / "checkpoints", folder_ / "records", folder_ / "continuation"});
-    const CaseResult& of_case = engine.run(0);
+    const Sweep sweep = written();
+    Worker worker(sweep, folder_);
+    const CaseResult& of_case = worker.engine.run(0);
     ASSERT_EQ(of_case.status, CaseStatus::ok) << of_case.error;
     const SpanMeans whole = run_scene(scene_of_case(sweep, 0), {}).whole;
     const double expected[] = {whole.slip, whole.tight, whole.efficiency, whole.chain_torque[1]};
@@ -129,8 +132,7 @@ TEST_F(CaseOfAWorker, EndsWhenItIsSteady) {
             << "[[axes]]\nkey = \"load.torque\"\nvalues = [\"80 N*m\"]\n[outputs]\nscalars = [\"tight_tension mean\", "
                "\"friction_slip mean\", \"tight_tension max\", \"shaft_1/clamping mean / shaft_2/clamping mean\"]\n[start]\nmode = "
                "\"settle\"\n";
-        return read_sweep(folder_ / "s.toml",
-                          [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
+        return written();
     };
     const engine::Cancellation never;
     BatchControl control(1, 1.0, never);

@@ -102,17 +102,16 @@ TEST_F(VerifiedSweeps, MissTheirTargetWhereMoreThanOneCaseInTwentyDoes) {
 TEST_F(VerifiedSweeps, DetectATableThatMissesItsAccuracy) {
     Sweep asked = sweep(three);
     asked.scalars.resize(1);
-    TunedSweep coarse{asked, {{"rigid", "leapfrog-rigid"}, 0.0, 0.0}, std::nullopt};
+    TunedSweep coarse{asked, {{"medium", "leapfrog-chebyshev"}, 0.0, 0.0}, std::nullopt};
     coarse.sweep.accuracy.target = 0.03;  // after 2 ms of settling, references of other steps differ by 0.35 %
     Sweep strict = asked;
     strict.accuracy.target = 0.03;
     coarse.sweep.scene = chosen_scene(asked.scene, coarse.kept.choice, 0.0);
-    for (const char* less : {"clamping.driving=6.93 kN", "clamping.driven=5.13 kN"}) set_value(coarse.sweep.scene, less);
     EXPECT_TRUE(run(coarse.sweep).finished);
     static_cast<void>(verify_sweep(strict, coarse, out(), not_cancelled_, {}));
     const SweepVerification verification = sweep_verification(table());
     EXPECT_EQ(verification.verified, 3);
-    EXPECT_GE(verification.missed, 2) << verification.text() << ": a tenth less clamping is 10 % less tension";
+    EXPECT_GE(verification.missed, 2) << verification.text() << ": with 24 pins that bend in one shape only, tensions are off by 8 %";
     EXPECT_FALSE(verification.held());
 }
 
