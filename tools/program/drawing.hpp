@@ -11,7 +11,7 @@ namespace cvtflow::tools {
 ///
 /// The interpreter is CVTFLOW_PYTHON, an absolute path, else the one that CMake found. It runs isolated (python3 -I), in the root folder
 /// and with few variables of the environment: nothing in the working folder, PYTHONPATH or the user's packages has an effect.
-/// @param request "command": plot, report or chart; paths of inputs by path_for_python()
+/// @param request "command": plot, report or chart; paths of inputs by path_for_python(); what is not finite becomes null
 /// @return a whole picture, page or table
 /// @throws UsageError, std::runtime_error: the message of the package; of a missing interpreter or library, what to install
 [[nodiscard]] std::string drawn(const nlohmann::json& request);

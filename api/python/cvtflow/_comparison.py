@@ -6,9 +6,10 @@ import numpy as np
 
 from . import _known, plots
 from ._channels import shown
+from ._courses import time_text
 from ._figures import Line, Panel, draw
 from ._numbers import mean, period_means, thinned
-from ._page import folded, heading, number, picture, table, text, time_text
+from ._page import folded, heading, number, picture, table, text
 
 _LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 _FEW = 4  # pin periods, below which means over them have no scatter

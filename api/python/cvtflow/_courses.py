@@ -10,11 +10,11 @@ _LONG_RUN = 60.0  # pin periods beyond which vibrations would be a solid band
 
 
 def time_text(value):
-    """2.25 ms."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
+    """"12.5 ms": a time [s] in the unit in which its number is short."""
+    for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")):
         if abs(value) >= 0.99995 * size:
             return f"{value / size:.4g} {unit}"
-    return f"{value / 1e-9:.4g} ns" if value else "0 s"
+    return f"{value:.4g} s"
 
 
 def name_of(record):
@@ -22,13 +22,11 @@ def name_of(record):
     return str(record.attributes.get("scene", ""))
 
 
-def step_text(record):
-    """auto (2 us)."""
-    setting, taken = (float(record.attributes.get(name, 0.0)) for name in ("step", "step_taken"))
-    set_text, used = time_text(setting) if setting > 0.0 else "auto", time_text(taken) if taken > 0.0 else ""
-    if used in ("", set_text):
-        return set_text
-    return f"{set_text} ({used} taken)" if setting > 0.0 else f"auto ({used})"
+def step_text(attributes):
+    """"50 ns", "auto (4.63 us)"."""
+    setting, taken = (float(attributes.get(name) or 0.0) for name in ("step", "step_taken"))
+    shown, used = time_text(setting) if setting > 0.0 else "auto", time_text(taken) if taken > 0.0 else ""
+    return shown if used in ("", shown) else f"{shown} ({used}{' taken' if setting > 0.0 else ''})"
 
 
 def conditions(record):
@@ -37,7 +35,7 @@ def conditions(record):
         return ""
     level = record.scene["detail.level"] if record.scene is not None else None
     levels = [] if level is None else ["own detail" if level in ("", "given") else level]
-    return ", ".join([name_of(record), *levels, str(record.attributes.get("method", "unknown")), f"step {step_text(record)}"])
+    return ", ".join([name_of(record), *levels, str(record.attributes.get("method", "unknown")), f"step {step_text(record.attributes)}"])
 
 
 def heading(records):

@@ -10,6 +10,8 @@ import re
 
 import numpy as np
 
+from ._courses import step_text
+
 HERE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
 DEBIAN = {"dygraph.min.js": "dygraphs", "dygraph.min.css": "dygraphs", "three.min.js": "three"}  # libjs-dygraphs, libjs-three
 
@@ -50,14 +52,6 @@ def number(value, form="{:.6g}"):
     return {"shown": form.format(value) if math.isfinite(value) else "–", "value": f"{value:.9g}" if math.isfinite(value) else None}
 
 
-def time_text(value):
-    """"12.5 ms": a time [s] in the unit in which its number is short."""
-    for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")):
-        if abs(value) >= 0.99995 * size:
-            return f"{value / size:.4g} {unit}"
-    return f"{value:.4g} s"
-
-
 def power_text(value):
     """"14.9 kW" of W."""
     return f"{value:.3g} W" if abs(value) < 999.5 else f"{1e-3 * value:.3g} kW"
@@ -74,13 +68,6 @@ def attribute_rows(attributes):
             text = step_text(attributes)
         (long if "\n" in text else short).append((name, text))
     return short, long
-
-
-def step_text(attributes):
-    """"50 ns", "auto (4.63 us)"."""
-    setting, taken = (float(attributes.get(name) or 0.0) for name in ("step", "step_taken"))
-    shown, used = time_text(setting) if setting > 0.0 else "auto", time_text(taken) if taken > 0.0 else ""
-    return shown if used in ("", shown) else f"{shown} ({used}{' taken' if setting > 0.0 else ''})"
 
 
 def inline_svg(figure, name):

@@ -7,8 +7,9 @@ import numpy as np
 from . import _known, _motion, plots
 from ._channels import shown
 from ._comparison import comparison
+from ._courses import time_text
 from ._numbers import mean
-from ._page import (heading, number, packed, pairs, picture, power_text, provenance, section, table, text, time_text)
+from ._page import heading, number, packed, pairs, picture, power_text, provenance, section, table, text
 from ._trip import vehicle
 
 _BYTES_OF_CURVES = 1_500_000  # of all records together, as text

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from ._courses import time_text
 from ._figures import Line, Panel, draw
 from ._numbers import thinned
-from ._page import number, pairs, picture, table, time_text
+from ._page import number, pairs, picture, table
 
 _KWH = 3.6e6  # [J]
 _KINDS = ("kinetic", "climb", "air", "rolling", "brakes", "clutch", "final_drive")  # what the work of shaft 2 becomes

@@ -14,7 +14,6 @@ using Json = nlohmann::json;
 
 constexpr int region_points = 320;  ///< along either axis, at which a region is evaluated
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 Json end_of(const std::optional<double>& end) { return end ? Json(*end) : Json(); }
 
 Json axis_json(const Axis& axis) {
@@ -30,7 +29,7 @@ Json series_json(const Series& series) {
     constexpr const char* marks[] = {"none", "dot", "small_dot", "ring", "square", "diamond", "triangle", "cross"};
     constexpr const char* lines[] = {"none", "solid", "dashed", "dotted"};
     Json x = Json::array(), y = Json::array();
-    for (const Point& point : series.points) x.push_back(number(point.x)), y.push_back(number(point.y));
+    for (const Point& point : series.points) x.push_back(point.x), y.push_back(point.y);
     return {{"name", series.name},
             {"x", std::move(x)},
             {"y", std::move(y)},

@@ -15,8 +15,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json number_json(double number) { return std::isfinite(number) ? Json(number) : Json(); }
-
 /// "a force" by "N".
 Json dimensions() {
     std::set<std::string_view> units;
@@ -67,7 +65,7 @@ Json described(const SweepView& sweep) {
         const SweepColumn& column = sweep.columns[c];
         Json values = Json::array();
         for (std::size_t row = 0; row < sweep.cells.size(); ++row)
-            values.push_back(column.number ? number_json(sweep.number(row, c)) : Json(sweep.cells[row][c]));
+            values.push_back(column.number ? Json(sweep.number(row, c)) : Json(sweep.cells[row][c]));
         columns.push_back({{"name", column.name},
                            {"unit", column.unit},
                            {"description", column.description},
@@ -75,7 +73,7 @@ Json described(const SweepView& sweep) {
                            {"number", column.number},
                            {"values", std::move(values)}});
     }
-    for (std::size_t row = 0; row < sweep.cells.size(); ++row) limits.push_back(number_json(load_limit(sweep, row).value_or(NAN)));
+    for (std::size_t row = 0; row < sweep.cells.size(); ++row) limits.push_back(load_limit(sweep, row).value_or(NAN));
     return {{"path", sweep.path},
             {"name", sweep.name},
             {"level", sweep.scene ? level_text(*sweep.scene) : ""},
@@ -86,12 +84,14 @@ Json described(const SweepView& sweep) {
 Json described(const Measured& measured) {
     Json columns = Json::array();
     for (const MeasuredColumn& column : measured.columns) {
-        Json values = Json::array();
-        for (const double value : column.values) values.push_back(number_json(value));
         const std::string_view dimension = column.unit.empty() ? "" : tasks::dimension_name(tasks::dimension_of(column.unit));
-        columns.push_back({{"name", column.name}, {"unit", column.unit}, {"dimension", dimension}, {"values", std::move(values)}});
+        columns.push_back({{"name", column.name}, {"unit", column.unit}, {"dimension", dimension}, {"values", column.values}});
     }
     return {{"path", measured.path}, {"name", measured.name}, {"columns", std::move(columns)}};
+}
+
+std::string subject_of(const nlohmann::json& request) {
+    return request[request.contains("sweeps") ? "sweeps" : "records"][0]["name"].get<std::string>();
 }
 
 }  // namespace cvtflow::tools

@@ -17,4 +17,7 @@ namespace cvtflow::tools {
 /// "path", "name", "columns" with "values" in SI.
 [[nodiscard]] nlohmann::json described(const Measured& measured);
 
+/// Name of the first of a request's "records" or "sweeps", by which a picture or page is known.
+[[nodiscard]] std::string subject_of(const nlohmann::json& request);
+
 }  // namespace cvtflow::tools

@@ -104,7 +104,7 @@ ExitStatus plot(const PlotArguments& arguments) {
     const std::vector<std::filesystem::path> inputs = read_files(files);
     engine::require_no_input(path, inputs);
     Json request = request_of(arguments, words);
-    const std::string of = request[request.contains("sweeps") ? "sweeps" : "records"][0]["name"].get<std::string>();
+    const std::string of = subject_of(request);
     request["format"] = kind.substr(1);
     request["mark"] = mark_of("picture", of);
     const engine::Permit permit(path, kind == ".csv"

@@ -88,7 +88,7 @@ ExitStatus report(const ReportArguments& arguments) {
     const std::vector<std::filesystem::path> inputs = read_files(files);
     engine::require_no_input(path, inputs);
     const Json request = request_of(arguments);
-    const std::string of = request[request.contains("sweeps") ? "sweeps" : "records"][0]["name"].get<std::string>();
+    const std::string of = subject_of(request);
     const engine::Permit permit(path, marked_rule("page", of, inputs, arguments.force));
     const std::string page = marked(drawn(request), mark_of("page", of));
     engine::write_whole(permit, page);
