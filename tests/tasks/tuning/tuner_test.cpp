@@ -195,33 +195,53 @@ TEST(DeepUnseenPoints, OfTheSmallestSceneAreWithinFivePerCent) {
     EXPECT_EQ(tally.missed, 0);
 }
 
-TEST(NightlyUnseenPoints, OfAllReadyScenesAndTwoSweepsAreWithinTheTargetInNineteenOfTwenty) {
-    UnseenTally tally;
-    for (const ReadyScene& ready : ready_scenes()) {
-        const Scene scene = read_scene(ready.path);
-        if (scene.vehicle.present()) continue;  // refused
-        const TuneSettings settings;
-        Tuner tuner(scene, settings, on_and_on);
-        for (const double accuracy : {0.05, 0.01, 0.002})
-            try_unseen(tuner, unseen_points(scene, settings.times, 3, 11), accuracy, ready.name, tally);
-    }
-    for (const std::size_t part : {0U, 1U}) {  // two sweeps: either half of the cases of the ready one
-        Sweep sweep = read_sweep(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/sweeps/slip_efficiency.toml", find_scene);
-        sweep.scalars.resize(1);
-        Axis& axis = sweep.axes.front();
-        const std::size_t half = axis.rows() / 2 * axis.keys.size(), begin = part * half;
-        axis.values = {axis.values.begin() + static_cast<std::ptrdiff_t>(begin),
-                       axis.values.begin() + static_cast<std::ptrdiff_t>(begin + half)};
-        TuneSettings settings;
-        Tuner tuner(sweep, settings, on_and_on);
-        std::vector<OperatingPoint> points;
-        for (const long number : {sweep.cases() / 3, sweep.cases() / 2}) points.push_back(point_of_case(sweep, number));
-        for (const double accuracy : {0.05, 0.01}) try_unseen(tuner, points, accuracy, "slip_efficiency", tally);
-    }
+/// A scene, or half of a sweep, is a test of its own, so that a night can end with some of them.
+class NightlyUnseenPoints : public testing::TestWithParam<std::string> {};
+
+/// Of nine points at most none, of twenty one misses: 19 of 20.
+void expect_nineteen_of_twenty(const UnseenTally& tally) {
     std::cout << tally.missed << " of " << tally.points << " points miss their target\n";
-    EXPECT_GE(tally.points, 60);
+    EXPECT_GT(tally.points, 0);
     EXPECT_LE(20 * tally.missed, tally.points);
 }
+
+TEST_P(NightlyUnseenPoints, OfAReadySceneAreWithinTheTargetInNineteenOfTwenty) {
+    const Scene scene = read_scene(find_scene(GetParam()));
+    if (scene.vehicle.present()) GTEST_SKIP() << "a vehicle is refused";
+    const TuneSettings settings;
+    Tuner tuner(scene, settings, on_and_on);
+    UnseenTally tally;
+    for (const double accuracy : {0.05, 0.01, 0.002})
+        try_unseen(tuner, unseen_points(scene, settings.times, 3, 11), accuracy, GetParam(), tally);
+    expect_nineteen_of_twenty(tally);
+}
+
+std::vector<std::string> scene_names() {
+    std::vector<std::string> names;
+    for (const ReadyScene& ready : ready_scenes()) names.push_back(ready.name);
+    return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, NightlyUnseenPoints, testing::ValuesIn(scene_names()), [](const auto& info) { return info.param; });
+
+class NightlyUnseenPointsOfHalves : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(NightlyUnseenPointsOfHalves, OfTheReadySweepAreWithinTheTarget) {
+    Sweep sweep = read_sweep(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/sweeps/slip_efficiency.toml", find_scene);
+    sweep.scalars.resize(1);
+    Axis& axis = sweep.axes.front();
+    const std::size_t half = axis.rows() / 2 * axis.keys.size(), begin = GetParam() * half;
+    axis.values = {axis.values.begin() + static_cast<std::ptrdiff_t>(begin), axis.values.begin() + static_cast<std::ptrdiff_t>(begin + half)};
+    const TuneSettings settings;
+    Tuner tuner(sweep, settings, on_and_on);
+    std::vector<OperatingPoint> points;
+    for (const long number : {sweep.cases() / 3, sweep.cases() / 2}) points.push_back(point_of_case(sweep, number));
+    UnseenTally tally;
+    for (const double accuracy : {0.05, 0.01}) try_unseen(tuner, points, accuracy, "slip_efficiency", tally);
+    expect_nineteen_of_twenty(tally);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lower, NightlyUnseenPointsOfHalves, testing::Values(0U, 1U));
 
 }  // namespace
 }  // namespace cvtflow::tasks
