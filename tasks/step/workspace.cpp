@@ -58,27 +58,24 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
 }
 
 const double* Workspace::state() const noexcept {
-    if (std::exchange(columns_ahead_, false)) columns_->write(states[0]);
+    if (columns_have_state_) columns_->write(states[0]);
     return states[0];
 }
 
 const double* Workspace::tail() const noexcept {
-    if (!columns_ahead_) return states[0] + layout().pulley_begin();
-    columns_->write_tail(tail_.data());
-    return tail_.data();
+    double* const tail = states[0] + layout().pulley_begin();
+    if (columns_have_state_) columns_->write_tail(tail);
+    return tail;
 }
 
 model::RigidState& Workspace::columns() {
-    if (!columns_) {
-        columns_ = std::make_unique<model::RigidState>(variator.chain().rigid()->model());
-        tail_.resize(at(tail_size()));
-    }
+    if (!columns_) columns_ = std::make_unique<model::RigidState>(variator.chain().rigid()->model());
     return *columns_;
 }
 
 void Workspace::adopt(const model::Parameters& other) {
     columns_.reset();
-    columns_ahead_ = columns_hold_forces_ = links.observed = false;
+    columns_have_state_ = links.observed = false;
     variator.adopt(parameters, other);
     parameters = other;
     rule = rule_of(other);
@@ -118,7 +115,7 @@ model::SheaveForces sheave_forces(Workspace& w) noexcept {
 }
 
 double Workspace::pin_period() const noexcept {
-    if (!columns_ahead_) return model::pin_period(parameters.chain, layout(), states[0]);
+    if (!columns_have_state_) return model::pin_period(parameters.chain, layout(), states[0]);
     return pin_period(columns_->instant().sums().speed / layout().links);
 }
 
@@ -128,7 +125,7 @@ double Workspace::pin_period(double speed) const noexcept {
 
 std::array<double, 3> Workspace::rear_half(int pin) const noexcept {
     const model::ChainLayout& at = layout();
-    if (columns_ahead_) {
+    if (columns_have_state_) {
         const auto of = [&](model::Column c) { return columns_->columns[c][pin]; };
         return {of(model::Column::x), of(model::Column::y), of(model::Column::z)};
     }

@@ -153,7 +153,7 @@ public:
     StepInput step;
 
     // Fields over the state vector: [slot][layout.size()].
-    std::vector<double*> states;  ///< state slots; 0 = y at the step's start, unless columns() have it: see state()
+    std::vector<double*> states;  ///< state slots; 0 = y at the step's start, unless columns have it: see state()
     std::vector<double*> slopes;  ///< slope slots; 0 = its slope
     double* end_state;            ///< y at the step's end
     double* end_slope;            ///< its slope with the step's phases, only if a transition has to be located
@@ -173,17 +173,18 @@ public:
     bool sums_missing = false;                       ///< evaluate cycles of the present assembly do not fill links.sums
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
-    /// y at the step's start, to observe, save or judge it; between two cycles only. A call copies the columns to it. @return
-    /// [layout.size()]
+    /// y at the step's start, to observe, save or judge it; between two cycles only. While columns have the state, every call copies them.
+    /// @return [layout.size()]
     [[nodiscard]] const double* state() const noexcept;
-    /// The state of rigid pins in columns, for a method that steps them there: it is the state from the next columns_advanced() on.
+    /// Columns of rigid pins, for a method that steps them there. They have the state, and states[0] is out of date, from the next
+    /// columns_advanced() until state_to_set() or adopt().
     [[nodiscard]] model::RigidState& columns();
     /// nullptr: no method has asked for them.
     [[nodiscard]] const model::RigidState* rigid_pins() const noexcept { return columns_.get(); }
-    void columns_advanced() noexcept { columns_ahead_ = columns_hold_forces_ = true; }
-    /// Observation of y at the step's start, with the forces of the step behind it where the columns hold them. time [s]
+    void columns_advanced() noexcept { columns_have_state_ = true; }
+    /// Observation of y at the step's start, with the forces of the step behind it where columns have the state. time [s]
     [[nodiscard]] const model::Observation& observed_by(model::Observer& observer, double time) const noexcept {
-        if (columns_hold_forces_) return observer.observe(time, *columns_);
+        if (columns_have_state_) return observer.observe(time, *columns_);
         const model::EvaluatedLinks evaluated{links.loads.data(), links.accounts.data(), links.contacts.data()};
         return observer.observe(time, state(), tips.phases.data(), links.observed ? &evaluated : nullptr);
     }
@@ -194,7 +195,7 @@ public:
     /// y to set from outside, between two runs; then call StepMethod::restart.
     [[nodiscard]] double* state_to_set() noexcept {
         static_cast<void>(state());
-        columns_hold_forces_ = links.observed = false;
+        columns_have_state_ = links.observed = false;
         return states[0];
     }
     /// Another variator of the same layout, at rest before its start; between runs only.
@@ -224,9 +225,7 @@ public:
 private:
     model::LineVector<double> memory_;
     std::unique_ptr<model::RigidState> columns_;
-    mutable bool columns_ahead_ = false;  ///< of states[0]
-    bool columns_hold_forces_ = false;    ///< of the state
-    mutable std::vector<double> tail_;    ///< of the columns [tail_size()]
+    bool columns_have_state_ = false;
 };
 
 /// Adds up the reactions of a segment's links, for sums that contain no link of another segment.
