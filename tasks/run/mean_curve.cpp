@@ -21,7 +21,6 @@ static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == si
 [[nodiscard]] std::array<double, mean_count> values_of(const model::Observation& now, double needed_speed) noexcept {
     std::array<double, mean_count> values{};
     const auto put = [&](Mean quantity, double value, std::size_t k = 0) { values[static_cast<std::size_t>(quantity) + k] = value; };
-    put(Mean::ratio, now.ratio);
     put(Mean::slip, now.slip);
     put(Mean::friction_slip, now.friction_slip);
     put(Mean::tight, now.tight);
@@ -187,7 +186,7 @@ constexpr std::size_t losses = 6, efficiency = 7;
 [[nodiscard]] Block block_of(const MeanPoint& begin, const MeanPoint& end) noexcept {
     const auto mean = [&](Mean quantity, std::size_t k = 0) { return end.mean_since(begin, quantity, k); };
     const double driven = mean(Mean::clamping, 1);
-    return {{mean(Mean::ratio), driven != 0.0 ? mean(Mean::clamping) / driven : 0.0, mean(Mean::tight), mean(Mean::slack), mean(Mean::slip),
+    return {{end.ratio_since(begin), driven != 0.0 ? mean(Mean::clamping) / driven : 0.0, mean(Mean::tight), mean(Mean::slack), mean(Mean::slip),
              mean(Mean::friction_slip), (end.energy.lost() - begin.energy.lost()) / (end.time - begin.time),
              end.energy.since(begin.energy).efficiency()}};
 }

@@ -15,7 +15,6 @@ namespace cvtflow::tasks {
 
 /// Quantities of an instant whose means over time a summary states.
 enum class Mean {
-    ratio,
     slip,
     friction_slip,
     tight,
@@ -57,6 +56,11 @@ struct MeanPoint {
     [[nodiscard]] double mean_since(const MeanPoint& before, Mean quantity, std::size_t k = 0) const noexcept {
         const std::size_t at = static_cast<std::size_t>(quantity) + k;
         return (integral[at] - before.integral[at]) / (time - before.time);
+    }
+    /// Speed ratio since an earlier point: how far shaft 1 has turned over how far shaft 2 has, so that a shaft that stands for a while
+    /// does not decide. NaN or infinite only where shaft 2 has not turned at all.
+    [[nodiscard]] double ratio_since(const MeanPoint& before) const noexcept {
+        return mean_since(before, Mean::speed, 0) / mean_since(before, Mean::speed, 1);
     }
 };
 

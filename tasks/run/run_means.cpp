@@ -66,9 +66,10 @@ constexpr NoteKind kinds[] = {
 
 /// Means of one number each, with their places.
 constexpr std::pair<Mean, double SpanMeans::*> scalar_means[] = {
-    {Mean::ratio, &SpanMeans::ratio},     {Mean::slip, &SpanMeans::slip},    {Mean::friction_slip, &SpanMeans::friction_slip},
-    {Mean::tight, &SpanMeans::tight},     {Mean::slack, &SpanMeans::slack},  {Mean::limited, &SpanMeans::limited},
-    {Mean::missed, &SpanMeans::missed},   {Mean::loose, &SpanMeans::loose},  {Mean::beyond, &SpanMeans::beyond},
+    {Mean::slip, &SpanMeans::slip},       {Mean::friction_slip, &SpanMeans::friction_slip},
+    {Mean::tight, &SpanMeans::tight},     {Mean::slack, &SpanMeans::slack},
+    {Mean::limited, &SpanMeans::limited}, {Mean::missed, &SpanMeans::missed},
+    {Mean::loose, &SpanMeans::loose},     {Mean::beyond, &SpanMeans::beyond},
     {Mean::turning, &SpanMeans::turning}, {Mean::target, &SpanMeans::target}};
 
 void fill_means(const MeanPoint& before, const MeanPoint& after, SpanMeans& means) {
@@ -77,6 +78,7 @@ void fill_means(const MeanPoint& before, const MeanPoint& after, SpanMeans& mean
         for (std::size_t k = 0; k < values.size(); ++k) values[k] = after.mean_since(before, quantity, k);
     };
     for (const auto& [quantity, member] : scalar_means) means.*member = mean(quantity);
+    means.ratio = after.ratio_since(before);
     means.loss_slip = mean(Mean::brought) > 0.0 ? mean(Mean::creep) / mean(Mean::brought) : 0.0;
     if (mean(Mean::needed) > 0.0) means.astray = mean(Mean::astray) / mean(Mean::needed);
     if (mean(Mean::demanded) > 0.0) means.short_of = mean(Mean::short_of) / mean(Mean::demanded);

@@ -30,7 +30,6 @@ RunMeans means_of(const Tension& tension, double until, const SteadyRule& rule =
     for (double time = 0.0; time <= until && !means.ended(); time += period / 10.3) {  // samples lie at no fixed place of a period
         model::Observation now;
         now.time = time;
-        now.ratio = 1.0;
         now.speed = {100.0, 100.0};
         now.tight = tension(time);
         now.slack = 500.0;
@@ -161,9 +160,9 @@ TEST(SteadyMeans, OfARatioThatIsHeldAreAtItsTarget) {
         for (double time = 0.0; !means.ended(); time += period / 10.3) {
             model::Observation now;
             now.time = time;
-            now.ratio = 1.4 * (1.0 + 0.003 * std::exp(-time / 0.2));
-            now.control = {1.4, now.ratio};
-            now.speed = {100.0, 100.0};
+            const double ratio = 1.4 * (1.0 + 0.003 * std::exp(-time / 0.2));
+            now.control = {1.4, ratio};
+            now.speed = {100.0 * ratio, 100.0};
             now.tight = 2000.0;
             EnergySums sums;
             sums.time = time;

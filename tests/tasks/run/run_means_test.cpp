@@ -24,8 +24,7 @@ RunMeans means_over(int last, double interval, double pin_period, const Fill& fi
     for (int k = 0; k <= last; ++k) {
         model::Observation now;
         now.time = interval * k;
-        now.ratio = 1.0;
-        now.speed = {200.0, -200.0};
+        now.speed = {200.0, 200.0};
         now.tight = now.slack = 100.0;
         EnergySums sums;
         sums.time = now.time;
@@ -87,6 +86,16 @@ TEST(RunMeans, SayWhereControlMissesItsTarget) {
         if (missed == found.end()) continue;
         EXPECT_EQ(missed->text, "control misses its target by -2.86 % in the last fifth");
     }
+}
+
+/// Shaft 2 stands, then turns half as fast as shaft 1: four turns to one, where the ratio of most instants is infinite.
+TEST(RunMeans, HaveARatioWhereAShaftStandsForAWhile) {
+    const RunMeans means = means_over(1000, 1e-3, 1e-3, [](int k, model::Observation& now, EnergySums&) {
+        now.speed = {200.0, k < 500 ? 0.0 : 100.0};
+        now.ratio = now.speed[0] / now.speed[1];
+    });
+    EXPECT_NEAR(means.all().ratio, 4.0, 4.0 * 2e-3);  // a sample is 2e-3 of the time in which it turns
+    EXPECT_NEAR(means.fifth(4).ratio, 2.0, 1e-12);
 }
 
 /// A ratio that follows a table from 1 to 2, but for the second fifth of the run, where control is at its limit; or a constant target.
