@@ -238,11 +238,5 @@ std::vector<std::vector<std::string>> energies_of_efficiency(const std::string& 
     return sums;
 }
 
-double efficiency_of(const std::vector<double>& changes) {
-    constexpr std::size_t sums = tasks::EfficiencyChannels::sums;
-    if (changes.size() != sums) throw Error(ErrorCode::argument, "efficiency_of: " + std::to_string(sums) + " sums are expected");
-    return tasks::efficiency_of(std::span(changes).first<sums>());
-}
-
 }  // namespace v0
 }  // namespace cvtflow

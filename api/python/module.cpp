@@ -59,8 +59,6 @@ PYBIND11_MODULE(_cvtflow, module) {
         "display_unit(\"shaft_1/speed\", \"rad/s\") is (\"rpm\", 9.549…).");
     module.def("_energies_of_efficiency", &cvtflow::energies_of_efficiency, pybind11::arg("channel"),
                "Channels of which the mean of an efficiency is made, in sums.");
-    module.def("_efficiency_of", &cvtflow::efficiency_of, pybind11::arg("changes"),
-               "Mean of an efficiency, from the changes of these sums.");
     module.def("library_version", &cvtflow::library_version, "Version of the loaded library.");
     module.def("shutdown", &cvtflow::shutdown, pybind11::call_guard<Released>(),
                "Ends the worker threads of all simulations of this process. False if other users keep them alive.");

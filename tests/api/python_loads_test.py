@@ -8,6 +8,8 @@ from python_frames_test import Folder, matplotlib_only
 import numpy as np
 
 import cvtflow
+from cvtflow._loads import Load
+from cvtflow._numbers import cycles
 
 WORN = "record.channels=wear/*", "run.output_interval=1 us", "wear.coefficient=1e-16"
 
@@ -73,24 +75,45 @@ class Rainflow(Folder):
         record, _ = self.recorded("run.output_interval=200 ns")
         for name, begin, until in [("tight_tension", None, None), ("links/tension[3]", None, None), ("slip", "4.9 us", 4e-5)]:
             there = self.there(name, *(() if begin is None else ("--from", begin, "--until", str(until))))
-            cycles = record.rainflow(name, begin, until)
-            self.assertGreater(len(cycles), 3)
-            self.assertEqual([dict(zip(cycles.dtype.names, each.tolist())) for each in cycles], there["cycles"])
-            classes = np.histogram(cycles["range"], 16, (0.0, cycles["range"].max()), weights=cycles["count"])[0]
+            found = record.rainflow(name, begin, until)
+            self.assertGreater(len(found), 3)
+            self.assertEqual([dict(zip(found.dtype.names, each.tolist())) for each in found], there["cycles"])
+            classes = np.histogram(found["range"], 16, (0.0, found["range"].max()), weights=found["count"])[0]
             self.assertEqual(classes.tolist(), [each["count"] for each in there["classes"]])
 
     def test_counts_the_example_of_the_standard(self):
         rows = cvtflow.run(tiny(), "20 us", channels=["slip"])
         rows["time"] = np.arange(12.0)
         rows["slip"] = np.array([-2.0, -1.0, 1.0, 1.0, -3.0, 5.0, -1.0, 3.0, np.nan, -4.0, 4.0, -2.0])  # ASTM E1049, figure 6
-        cycles = rows.rainflow("slip")
-        self.assertEqual(cycles["range"].tolist(), [3.0, 4.0, 4.0, 8.0, 9.0, 8.0, 6.0])
-        self.assertEqual(cycles["count"].tolist(), [0.5, 0.5, 1.0, 0.5, 0.5, 0.5, 0.5])
-        self.assertEqual(cycles["from_time"].tolist()[0:3], [0.0, 2.0, 6.0])
+        found = rows.rainflow("slip")
+        self.assertEqual(found["range"].tolist(), [3.0, 4.0, 4.0, 8.0, 9.0, 8.0, 6.0])
+        self.assertEqual(found["count"].tolist(), [0.5, 0.5, 1.0, 0.5, 0.5, 0.5, 0.5])
+        self.assertEqual(found["from_time"].tolist()[0:3], [0.0, 2.0, 6.0])
         self.assertEqual(rows.rainflow("slip", 2.0, "3 s")["range"].tolist(), [])
         self.assertEqual(len(rows.rainflow("slip", 99.0)), 0)
         rows["slip"] = np.array([0.0, 5.0, 1.0, 3.0, 1.0, 6.0, *[np.nan] * 6])  # of equal ranges the earlier one is a cycle
         self.assertEqual(rows.rainflow("slip")[["range", "from_time"]].tolist(), [(2.0, 2.0), (4.0, 1.0), (6.0, 0.0)])
+
+    def test_histories_without_cycles_have_none(self):
+        for history in ([], [3.0], [3.0] * 10):
+            self.assertEqual(len(cycles(np.arange(len(history)), np.array(history))), 0)
+        self.assertEqual(cycles(np.arange(3), np.array([0.0, 1.0, 2.0])).tolist(), [(2.0, 1.0, 0.5, 0.0, 2.0)])
+
+    def test_every_stretch_between_reversals_is_counted_once(self):
+        history = np.random.default_rng(7).normal(size=2000)
+        found = cycles(np.arange(2000.0), history)
+        turns = np.count_nonzero(np.diff(np.sign(np.diff(history)))) + 2
+        self.assertEqual(2.0 * found["count"].sum(), turns - 1)  # a cycle has two of them, half a cycle one
+        self.assertEqual(found["range"].max(), np.ptp(history))
+        ends = history[found["to_time"].astype(int)] - history[found["from_time"].astype(int)]
+        np.testing.assert_array_equal(found["range"], np.abs(ends))
+
+    def test_classes_hold_all_cycles(self):
+        load = Load("slip", "1", np.arange(9.0), np.array([-2.0, 1.0, -3.0, 5.0, -1.0, 3.0, -4.0, 4.0, -2.0]))
+        classes = load.classes(3)  # borders 3, 6, 9
+        self.assertEqual([each["count"] for each in classes], [0.5, 2.0, 1.5])
+        self.assertEqual((classes[1]["largest"], classes[0]["mean"]), (6.0, -0.5))  # from -2 to 1
+        self.assertEqual(Load("slip", "1", np.empty(0), np.empty(0)).classes(2)[1]["count"], 0.0)
 
     def test_takes_one_number(self):
         record, _ = self.recorded()

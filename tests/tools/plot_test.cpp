@@ -406,8 +406,10 @@ TEST_F(PlotCommand, WithoutPythonOrALibraryReportsWhatToInstall) {
     std::filesystem::permissions(folder_ / "bare", std::filesystem::perms::owner_all);
     const std::string bare = (folder_ / "bare").string(), none = (folder_ / "none").string();
     for (const auto& [python, status, text] :
-         {std::tuple{none, 1, "pictures and pages require Python, and " + none + " cannot be started: No such file or directory"},
-          {bare, 1, "pictures and pages require numpy, matplotlib, h5py for /usr/bin/python3 (Debian: apt-get install python3-numpy "},
+         {std::tuple{none, 1,
+                     "pictures, pages and load cycles require Python, and " + none + " cannot be started: No such file or directory"},
+          {bare, 1,
+           "pictures, pages and load cycles require numpy, matplotlib, h5py for /usr/bin/python3 (Debian: apt-get install python3-numpy "},
           {"./bare", 2, "CVTFLOW_PYTHON=./bare: expected an absolute path"}}) {
         const Outcome outcome = run({"plot", "run.h5", "-o", "p.png"}, {"CVTFLOW_PYTHON=" + python});
         EXPECT_EQ(outcome.status, status);

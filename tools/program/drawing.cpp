@@ -114,7 +114,7 @@ int run_package(const MemoryFile& input, const MemoryFile& output, const MemoryF
     posix_spawn_file_actions_destroy(&actions);
     if (failed != 0)
         throw std::runtime_error(
-            fmt::format("pictures and pages require Python, and {} cannot be started: {} (Debian: apt-get install {}; "
+            fmt::format("pictures, pages and load cycles require Python, and {} cannot be started: {} (Debian: apt-get install {}; "
                         "CVTFLOW_PYTHON names another interpreter)",
                         python.empty() ? "python3" : python, std::strerror(failed), packages));
     int status = 0;

@@ -1,6 +1,6 @@
 #pragma once
-/// Pictures and pages, which the Python package draws: it receives one request and returns the bytes of a file. Rules for files, marks and
-/// inputs stay with the command; Python knows no output path.
+/// Pictures and pages, which the Python package draws, and load cycles, which it counts: it receives one request and returns the bytes of a
+/// file. Rules for files, marks and inputs stay with the command; Python knows no output path.
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -11,7 +11,7 @@ namespace cvtflow::tools {
 ///
 /// The interpreter is CVTFLOW_PYTHON, an absolute path, else the one that CMake found. It runs isolated (python3 -I), in the root folder
 /// and with few variables of the environment: nothing in the working folder, PYTHONPATH or the user's packages has an effect.
-/// @param request "command": plot, report or chart; paths of inputs by path_for_python(); what is not finite becomes null
+/// @param request "command": plot, report, rainflow or chart; paths of inputs by path_for_python(); what is not finite becomes null
 /// @return a whole picture, page or table
 /// @throws UsageError, std::runtime_error: the message of the package; of a missing interpreter or library, what to install
 [[nodiscard]] std::string drawn(const nlohmann::json& request);

@@ -65,9 +65,6 @@ private:
 /// Channels of energies so far [J], in five sums, from whose changes the mean of an efficiency follows; empty for other channels. A
 /// machine may lack some: they count as zero.
 [[nodiscard]] CVTFLOW_EXPORT std::vector<std::vector<std::string>> energies_of_efficiency(const std::string& channel);
-/// Mean of an efficiency over a time, the quotient of energies; NaN where none flows. @param changes of these sums in that time [J]
-/// @throws Error (argument) for another number of sums
-[[nodiscard]] CVTFLOW_EXPORT double efficiency_of(const std::vector<double>& changes);
 
 /// Writes the record of a simulation while it is advanced: channels, states, transitions and file of `cvtflow run`, at the scene's
 /// run.output_interval from now on. Settling is not recorded. Without `replace`, no existing file is replaced, and no rows of a killed run

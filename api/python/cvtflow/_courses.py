@@ -108,14 +108,20 @@ def find(record, word):
     raise _known.UnknownName(f"{word}: {missing(record, word)}")
 
 
+def how_to_record(name):
+    """Advice for a channel or group that was not recorded; empty: there is none of that name."""
+    on_demand = _known.is_on_demand(name)
+    if on_demand is None:
+        return ""
+    group = "" if name in _known.received["channels"] else "/*"
+    return f"record it with --set record.channels={name}{group}" if on_demand else "the machine has no pulleys"
+
+
 def missing(record, word):
     """Why a record has no channel or group of that name, and how to record it."""
-    on_demand = _known.is_on_demand(word)
-    if on_demand is None:
-        return f"neither a file nor a channel of {record.path}{_known.suggestion(word, record.info)}"
-    group = "" if word in _known.received["channels"] else "/*"
-    how = f"record it with --set record.channels={word}{group}" if on_demand else "the machine has no pulleys"
-    return f"{record.path} was recorded without this channel ({how})"
+    if how := how_to_record(word):
+        return f"{record.path} was recorded without this channel ({how})"
+    return f"neither a file nor a channel of {record.path}{_known.suggestion(word, record.info)}"
 
 
 def _parts(channel, width):

@@ -28,7 +28,8 @@ def _require(names):
     missing = [name for name in names if importlib.util.find_spec(name) is None]
     if missing:
         packages = " ".join(DEBIAN[name] for name in missing)
-        raise ImportError(f"pictures and pages require {', '.join(missing)} for {sys.executable} (Debian: apt-get install {packages})")
+        raise ImportError(f"pictures, pages and load cycles require {', '.join(missing)} for {sys.executable} "
+                          f"(Debian: apt-get install {packages})")
 
 
 def _own_fonts(folder):
@@ -55,15 +56,17 @@ def file_of(described):
 def main():
     request = json.load(sys.stdin.buffer)
     os.chdir("/")  # a matplotlibrc in the working folder has no effect
-    _require(["numpy", "matplotlib"] + (["h5py"] if "records" in request else []) + (["jinja2"] if request["command"] == "report" else []))
+    draws = request["command"] != "rainflow"
+    _require(["numpy"] + ["matplotlib"] * draws + ["h5py"] * ("records" in request) + ["jinja2"] * (request["command"] == "report"))
     _package()
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is a message
     folder = tempfile.mkdtemp(prefix="cvtflow-")
     try:
-        os.environ["MPLCONFIGDIR"] = folder
-        _own_fonts(folder)
-        made = importlib.import_module(f"cvtflow._requested").made
+        if draws:
+            os.environ["MPLCONFIGDIR"] = folder
+            _own_fonts(folder)
+        made = importlib.import_module("cvtflow._requested").made
         output.write(made(request))
     finally:
         shutil.rmtree(folder, ignore_errors=True)

@@ -6,8 +6,6 @@ import math
 import os
 import re
 
-import numpy as np
-
 
 class Misuse(ValueError):
     """An option that the data do not have: exit status 2 of the program."""
@@ -63,17 +61,11 @@ def efficiency_of(changes):
 def efficiency_mean(record, name, begin, otherwise, end=None):
     """The mean of an efficiency between two times of a record [s], over whole pin periods: the quotient of energies, as in the summary of
     a run. `otherwise` of another channel. end: None: that of the record"""
-    sums, time = energies(name), record["time"]
-    if not sums:
-        return otherwise
-    end = time[-1] if end is None else end
+    end = record["time"][-1] if end is None else end
     if record.pin_frequency and (periods := math.floor((end - begin) * record.pin_frequency * (1.0 + 1e-9))):
         begin = max(begin, end - periods / record.pin_frequency)
-
-    def gained(energy):
-        return float(np.diff(np.interp([begin, end], time, record[energy]))[0]) if energy in record.info else 0.0
-
-    return efficiency_of([sum(gained(energy) for energy in each) for each in sums])
+    found = record._efficiency(name, begin, end)
+    return otherwise if found is None else found
 
 
 def is_on_demand(name):

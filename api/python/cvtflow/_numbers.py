@@ -1,12 +1,16 @@
 """Arithmetic on courses over time: means over pin periods, spectra, load cycles, thinning."""
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[Any]
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[Any]
+else:
+    Array = np.ndarray  # importing numpy.typing takes a tenth of a short command's time
 
 _CYCLE = [(name, float) for name in ("range", "mean", "count", "from_time", "to_time")]
 

@@ -81,14 +81,15 @@ def inline_svg(figure, name):
 
 def _in_script(data):
     """JSON, escaped for an element <script>; numbers that are not finite are null."""
-    return json.dumps(_finite(data), ensure_ascii=True, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    return json.dumps(finite(data), ensure_ascii=True, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def _finite(data):
+def finite(data):
+    """Data for JSON: numbers that are not finite are None."""
     if isinstance(data, dict):
-        return {key: _finite(each) for key, each in data.items()}
+        return {key: finite(each) for key, each in data.items()}
     if isinstance(data, (list, tuple)):
-        return [_finite(each) for each in data]
+        return [finite(each) for each in data]
     return None if isinstance(data, float) and not math.isfinite(data) else data
 
 

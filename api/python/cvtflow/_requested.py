@@ -94,6 +94,11 @@ def made(request):
 
         receive(request)
         return pages.requested(request)
+    if request["command"] == "rainflow":
+        from . import _loads
+
+        receive(request)
+        return _loads.requested(request, records(request)[0])
     from . import _figures
 
     if request["command"] == "chart":

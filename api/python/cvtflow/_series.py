@@ -73,8 +73,8 @@ class Series:
             raise ValueError(f"means: fewer than two rows from {begin:.6g} s on")
         made = {}
         for name in (name for name, column in self.info.items() if column.width == 1 and name != "time"):
-            if sums := _known.energies(name):
-                made[name] = _known.efficiency_of([sum(self._gained(energy, begin) for energy in energies) for energies in sums])
+            if (quotient := self._efficiency(name, begin, time[-1])) is not None:
+                made[name] = quotient
                 continue
             values = self[name]
             finite = rows & np.isfinite(values)
@@ -87,10 +87,14 @@ class Series:
         """A channel of energy so far; None: not recorded."""
         return self[name] if name in self.info else None
 
-    def _gained(self, name, begin):
-        """Of a channel of energy, from `begin` [s] to the end; 0 where it is not recorded."""
-        energy = self._energy(name)
-        return 0.0 if energy is None else float(energy[-1] - np.interp(begin, self["time"], energy))
+    def _efficiency(self, name, begin, end):
+        """Quotient of energies between two times [s], of which those not recorded are 0; None of a channel that is no efficiency."""
+        def gained(energy):
+            values = self._energy(energy)
+            return 0.0 if values is None else float(np.diff(np.interp([begin, end], self["time"], values))[0])
+
+        sums = _known.energies(name)
+        return _known.efficiency_of([sum(map(gained, each)) for each in sums]) if sums else None
 
     def rainflow(self, channel: str, begin: float | str | None = None, until: float | str | None = None) -> Array:
         """Load cycles of a channel of one number, as `cvtflow table --rainflow` counts them (ASTM E1049): an array with the fields range

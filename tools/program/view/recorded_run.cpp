@@ -56,16 +56,6 @@ RecordedRun::RecordedRun(std::string path)
 
 std::string RecordedRun::name() const { return text_of(reader_.attributes(), "scene", ""); }
 
-const engine::ChannelInfo* RecordedRun::channel(const std::string& name) const {
-    const auto& channels = reader_.channels();
-    const auto found = std::ranges::find(channels, name, &engine::ChannelInfo::name);
-    return found == channels.end() ? nullptr : &*found;
-}
-
-std::vector<double> RecordedRun::values(const std::string& channel) const {
-    return this->channel(channel) == nullptr ? std::vector<double>() : reader_.channel(channel);
-}
-
 std::vector<Curve> RecordedRun::curves(const engine::ChannelInfo& channel) const {
     const std::vector<double> all = reader_.channel(channel.name);
     std::vector<Curve> made;
@@ -99,13 +89,6 @@ std::vector<Curve> RecordedRun::find(const std::string& word) const {
         throw UsageError(
             fmt::format("{}: neither a file nor a channel of {}{}", word, path_, engine::did_you_mean(engine::closest(name, names))));
     return all;
-}
-
-std::optional<double> RecordedRun::pin_frequency() const {
-    if (!scene_) return {};
-    const double mean = FiniteFigures(values("chain_speed")).mean;
-    const model::Chain& chain = scene_->parameters.chain;
-    return mean > 0.0 ? std::optional(mean * chain.pins / model::chain_length(chain)) : std::nullopt;
 }
 
 engine::RecordedState machine_state(const std::string& path, const engine::RunReader& run, std::size_t number,

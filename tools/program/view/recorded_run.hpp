@@ -42,11 +42,6 @@ public:
     /// Times of the rows [s].
     [[nodiscard]] const std::vector<double>& times() const noexcept { return times_; }
 
-    /// A channel by its name; nullptr if it was not recorded.
-    [[nodiscard]] const engine::ChannelInfo* channel(const std::string& name) const;
-    /// All numbers of a channel, row after row; empty if it was not recorded.
-    [[nodiscard]] std::vector<double> values(const std::string& channel) const;
-
     /// All numbers of a channel.
     [[nodiscard]] std::vector<Curve> curves(const engine::ChannelInfo& channel) const;
     /// Curves of a channel, a group ("shaft_1"), or one number of a channel ("links/tension[12]").
@@ -54,9 +49,6 @@ public:
     [[nodiscard]] std::vector<Curve> find(const std::string& word) const;
     /// Channels of one group, in order of declaration.
     [[nodiscard]] std::vector<Curve> group(const std::string& name) const;
-
-    /// Pins that pass a place, by the mean speed of the chain and its mean pitch [Hz]; empty if the record does not contain them.
-    [[nodiscard]] std::optional<double> pin_frequency() const;
 
 private:
     std::string path_;
