@@ -86,7 +86,7 @@ inline constexpr std::string_view level_key = "detail.level";
 struct CrossCheck {
     std::vector<std::string_view> keys;  ///< keys whose values are compared; a problem is reported at the first that the scene gives
     /// The violation (a full sentence with its key), or nothing. Expects every key to be in its own range.
-    std::optional<std::string> (*violation)(const Scene&);
+    std::function<std::optional<std::string>(const Scene&)> violation;
 };
 [[nodiscard]] std::span<const CrossCheck> cross_checks();
 

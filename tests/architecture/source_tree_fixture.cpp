@@ -179,15 +179,25 @@ std::string class_of(const std::string& scope) {
     return std::regex_search(scope, match, pattern) ? match[1].str() + "::" : "";
 }
 
-/// Whether a statement or a head inside a class declares a method of it.
-bool is_method(const std::string& head, const std::string& name) {
+/// Names of the base classes in the head of a class.
+std::vector<std::string> bases_of(std::string head) {
+    static const std::regex arguments(R"(<[^<>]*>)"), base(R"((?: : |, )(?:(?:public|private|protected|virtual) )*(?:\w+::)*(\w+))");
+    for (std::size_t before = 0; before != head.size();) before = head.size(), head = std::regex_replace(head, arguments, "");
+    std::vector<std::string> bases;
+    for (std::sregex_iterator match(head.begin(), head.end(), base), end; match != end; ++match) bases.push_back((*match)[1]);
+    return bases;
+}
+
+/// Name of the method of a class that a statement or a head inside of it declares; empty if it declares none.
+std::string method_name(const std::string& head, const std::string& name) {
     static const std::regex prefix(R"(^(?:template ?<.*?> (?=\w)|requires ?\([^()]*\) |(?:static|inline|constexpr|virtual|explicit) )+)");
     static const std::regex none(
         R"(^(?:using|friend|typedef|static_assert|enum|struct|class)\b|\boperator\b|~|\) ?= ?(?:default|delete)$)");
     static const std::regex function(R"(^[^(=]*?\b(\w+) ?\()");
     const std::string plain = std::regex_replace(head, prefix, "");
     std::smatch match;
-    return !std::regex_search(plain, none) && std::regex_search(plain, match, function) && match[1].str() != name;
+    const bool declares = !std::regex_search(plain, none) && std::regex_search(plain, match, function) && match[1].str() != name;
+    return declares ? match[1].str() : "";
 }
 
 }  // namespace
@@ -251,7 +261,7 @@ std::vector<NamedFunction> named_functions(const std::string& text) {
 
 std::vector<ClassSize> classes_of(const std::string& text) {
     const std::string code = code_only(text);
-    std::vector<ClassSize> classes{{"", 0, 0}};
+    std::vector<ClassSize> classes(1);
     std::vector<std::size_t> scopes{0};  // index into classes; 0: a namespace
     std::size_t begin = 0;               // of the head
     for (std::size_t i = 0; i < code.size(); ++i) {
@@ -262,10 +272,10 @@ std::vector<ClassSize> classes_of(const std::string& text) {
         if (c == '{' && kind_of(head) == Block::scope) {
             const std::string name = class_of(head);
             scopes.push_back(name.empty() ? 0 : classes.size());
-            if (!name.empty()) classes.push_back({name.substr(0, name.size() - 2), line_of(code, i), 0});
+            if (!name.empty()) classes.push_back({name.substr(0, name.size() - 2), line_of(code, i), bases_of(head), {}});
         } else if (!head.empty()) {
             ClassSize& inside = classes[scopes.back()];
-            if (is_method(head, inside.name)) ++inside.methods;
+            if (std::string method = method_name(head, inside.name); !method.empty()) inside.methods.push_back(std::move(method));
             if (c == '{') i = closing_brace(code, i);
         }
         begin = i + 1;

@@ -40,9 +40,10 @@ struct NamedFunction {
 /// A class, struct or union.
 struct ClassSize {
     std::string name;
-    int line;     ///< of its head, from 1
-    int methods;  ///< functions that it declares, of every access; not constructors, destructor, operators, and what is deleted or
-                  ///< defaulted
+    int line;                          ///< of its head, from 1
+    std::vector<std::string> bases;    ///< names, without namespaces and template arguments
+    std::vector<std::string> methods;  ///< functions that it declares, of every access; not constructors, destructor, operators, and what
+                                       ///< is deleted or defaulted
 };
 
 /// All .cpp and .hpp files below the source folders, ascending by path.
