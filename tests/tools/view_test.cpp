@@ -32,13 +32,6 @@ TEST(FiniteFigures, AreUndefinedWhereNothingIsFinite) {
     }
 }
 
-TEST(FiniteExtremes, AreWhereTheyStandInTheRange) {
-    const std::vector numbers{none, 0.5, -1.0, 4.0, none};
-    const auto [low, high] = finite_extremes(numbers.begin(), numbers.end(), [](double number) { return number; });
-    EXPECT_EQ(low - numbers.begin(), 2);
-    EXPECT_EQ(high - numbers.begin(), 3);
-}
-
 class TorqueLimits : public Program {
 protected:
     /// Limits of four cases of tiny over load and ratio. @param loads "6, 30" [N*m]   @param more further keys

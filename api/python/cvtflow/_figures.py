@@ -1,6 +1,7 @@
 """Pictures as data, drawn by Matplotlib in one style: panels below one another, of curves, bars or a map; the same numbers as CSV."""
 
 import dataclasses
+import functools
 import io
 import itertools
 import math
@@ -17,6 +18,7 @@ from . import _known
 STYLE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "cvtflow.mplstyle")
 _LEGEND = 26  # characters of a name in a legend beside the frame
 _WIDTH, _HEIGHT, _LOW = 8.6, 5.4, 3.0  # of a picture with one panel, of one of several [inch]
+_MANY_DECADES = 1e3  # between the ends of an axis, where it has no minor ticks
 _DASHES = ["solid", "dashed", "dotted", "dashdot"]
 
 
@@ -71,6 +73,7 @@ _KEPT = ("backend", "backend_fallback", "interactive", "toolbar", "timezone", "w
          "webagg.open_in_browser", "savefig.directory", "examples.directory", "date.epoch", "tk.window_focus", "animation.writer")
 
 
+@functools.lru_cache(maxsize=None)
 def _own():
     return matplotlib.rc_params_from_file(STYLE, use_default_template=False)
 
@@ -138,6 +141,8 @@ def draw(panels, heading="", ax=None):
 
 
 def _fill(axis, panel, is_last):
+    from matplotlib.ticker import NullLocator
+
     axis.set_title(plain(panel.title), wrap=False)
     for which, scale in zip("xy", panel.scales):
         kind, *more = [scale] if isinstance(scale, str) else scale
@@ -160,6 +165,9 @@ def _fill(axis, panel, is_last):
         axis.set_ylim(*panel.y_ends)
     if panel.equal:
         axis.set_aspect("equal", adjustable="datalim")
+    for each, ends in ((axis.xaxis, axis.get_xlim()), (axis.yaxis, axis.get_ylim())):
+        if each.get_scale() == "log" and ends[1] > _MANY_DECADES * ends[0]:
+            each.set_minor_locator(NullLocator())
     if axis.get_legend_handles_labels()[0]:
         _legend(axis, panel, is_last)
 
@@ -412,29 +420,31 @@ def csv(panels):
 
 def picture(made, kind, mark=""):
     """A figure as bytes of SVG or PNG, the same every time. mark: text in its head"""
-    engine = made.get_layout_engine()
-    if engine is not None:  # savefig would draw everything once more for it
-        with style():
-            engine.execute(made)
-        made.set_layout_engine("none")
+    from matplotlib.backends import backend_agg, backend_svg
+
+    engine, canvas, dpi, text = made.get_layout_engine(), made.canvas, made.dpi, io.BytesIO()
     try:
-        return _saved(made, kind, mark)
+        with style():
+            if engine is not None:
+                engine.execute(made)
+                made.set_layout_engine("none")
+            drawn = (backend_agg.FigureCanvasAgg if kind == "png" else backend_svg.FigureCanvasSVG)(made)
+            made.dpi = matplotlib.rcParams["savefig.dpi"]
+            if kind == "png":  # Figure.savefig draws everything twice
+                drawn.print_png(text, metadata={"Software": mark or None}, pil_kwargs={"compress_level": 3})
+            else:
+                drawn.print_svg(text, metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
     finally:
+        made.dpi = dpi
+        made.set_canvas(canvas)
         made.set_layout_engine(engine)
         if "matplotlib.pyplot" in sys.modules:
             sys.modules["matplotlib.pyplot"].close(made)
+    return text.getvalue() if kind == "png" else _plain_svg(text.getvalue().decode(), mark)
 
 
-def _saved(made, kind, mark):
-    with style():
-        text = io.BytesIO()
-        if kind == "png":
-            made.savefig(text, format="png", metadata={"Software": mark} if mark else {"Software": None})
-            return text.getvalue()
-        made.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    svg = text.getvalue().decode()
-    svg = svg[svg.index("<svg"):]
-    svg = re.sub(r"\n <metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+def _plain_svg(svg, mark):
+    svg = re.sub(r"\n <metadata>.*?</metadata>", "", svg[svg.index("<svg"):], flags=re.DOTALL)
     svg = re.sub(r' d="([^"]*)"', lambda path: ' d="' + re.sub(r"(\.\d\d)\d+", r"\1", path[1]) + '"', svg)
     return (svg.replace(">", f">\n<!-- {mark} -->", 1) if mark else svg).encode()
 

@@ -133,16 +133,6 @@ Shown shown(const std::string& name, const std::string& unit) {
     return {fmt::format("{} [{}]", words_of(name), with_dots(symbol)), how.factor, symbol};
 }
 
-Shown shown_time(double end) { return end >= 1.0 ? Shown{"time [s]", 1.0, "s"} : shown("time", "s"); }
-
-std::string label_of_unit(const std::string& unit) {
-    const auto parsed = tasks::parse_quantity("1 " + unit);
-    const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
-    std::string name(quantity == nullptr ? "" : tasks::dimension_name(quantity->dimension));
-    if (const auto article = name.find(' '); article != std::string::npos) name = name.substr(article + 1);
-    return fmt::format("{}[{}]", name.empty() ? "" : name + " ", with_dots(unit));
-}
-
 std::string csv_cell(const nlohmann::ordered_json& value, int digits, bool quoted) {
     if (value.is_boolean()) return value.get<bool>() ? "1" : "0";
     if (value.is_null()) return "";

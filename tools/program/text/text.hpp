@@ -62,10 +62,4 @@ inline constexpr const char* si_meaning = "Show SI units (default: bar, l/min, r
 /// A channel or a column of a sweep. @param unit SI unit; "1" or empty: none
 [[nodiscard]] Shown shown(const std::string& name, const std::string& unit);
 
-/// The time axis of a record: in milliseconds, in seconds from an end of 10 s on or with SI units. @param end its last time [s]
-[[nodiscard]] Shown shown_time(double end);
-
-/// The common label of several quantities of one unit: "force [N]".
-[[nodiscard]] std::string label_of_unit(const std::string& unit);
-
 }  // namespace cvtflow::tools

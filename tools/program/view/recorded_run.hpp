@@ -65,19 +65,6 @@ private:
 /// Whether all unknowns are finite.
 [[nodiscard]] bool finite(const engine::RecordedState& recorded);
 
-/// Positions of the least and of the largest finite value of a range; both its first position where none is finite.
-/// @param value of an element
-template <class Iterator, class Value>
-[[nodiscard]] std::pair<Iterator, Iterator> finite_extremes(Iterator first, Iterator last, const Value& value) {
-    std::pair<Iterator, Iterator> found{first, first};
-    for (Iterator at = first; at != last; ++at) {
-        if (!std::isfinite(value(*at))) continue;
-        if (!(value(*found.first) <= value(*at)) || !std::isfinite(value(*found.first))) found.first = at;
-        if (!(value(*found.second) > value(*at)) || !std::isfinite(value(*found.second))) found.second = at;
-    }
-    return found;
-}
-
 /// NaN where no number is finite.
 struct FiniteFigures {
     double mean = std::numeric_limits<double>::quiet_NaN(), least = mean, largest = mean;  ///< [unit of the numbers]
@@ -87,11 +74,11 @@ struct FiniteFigures {
         double sum = 0.0;
         long count = 0;
         for (const double number : numbers) {
-            if (std::isfinite(number)) sum += number, ++count;
+            if (!std::isfinite(number)) continue;
+            sum += number, ++count;
+            least = std::fmin(least, number), largest = std::fmax(largest, number);
         }
-        if (count == 0) return;
-        const auto [low, high] = finite_extremes(numbers.begin(), numbers.end(), [](double number) { return number; });
-        mean = sum / static_cast<double>(count), least = *low, largest = *high;
+        if (count > 0) mean = sum / static_cast<double>(count);
     }
 };
 

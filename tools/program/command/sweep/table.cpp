@@ -148,7 +148,7 @@ double instant_of(const std::string& option, const std::string& text) {
     return time->value;
 }
 
-/// What the Python package counts and writes.
+/// Request to the Python package, which counts and writes.
 nlohmann::json rainflow_request(const TableArguments& arguments) {
     const double from = arguments.from.empty() ? 0.0 : instant_of("--from", arguments.from);
     const double until = arguments.until.empty() ? INFINITY : instant_of("--until", arguments.until);
