@@ -221,6 +221,14 @@ std::vector<std::filesystem::path> input_files(const Scene& scene) {
 
 std::string method_of(const Scene& scene) { return std::string(resolved_method(scene.run.method, scene.parameters)); }
 
+std::string read_toml_text(const std::filesystem::path& path) {
+    try {
+        return engine::read_text_input(path.string(), longest_toml);
+    } catch (const engine::InputError& reason) {
+        throw SceneError(fmt::format("{}: cannot be read: {}", path.string(), reason.what()));
+    }
+}
+
 Scene read_scene(const std::filesystem::path& path, StartState start) { return parse_scene(read_toml_text(path), path, start); }
 
 Scene parse_scene(std::string text, std::filesystem::path name, StartState start) {

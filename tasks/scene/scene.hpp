@@ -115,6 +115,9 @@ public:
 /// other file is read.
 enum class StartState { required, ignored, recorded };
 
+/// The text of a TOML file. @throws SceneError "path: cannot be read: why"
+[[nodiscard]] std::string read_toml_text(const std::filesystem::path& path);
+
 /// Reads and checks a scene file.
 /// @throws SceneError  unreadable file, or any problem in it
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path, StartState start = StartState::required);

@@ -9,9 +9,7 @@
 // toml++ 3.3 violates its own preconditions on some malformed texts (such as "[[[a]]]"): an abort in debug builds, undefined behaviour
 // where the compiler takes assertions as assumptions. Here a violated one is an exception, in every build type.
 
-#include "engine/base/input_file.hpp"
 #include "engine/base/text.hpp"
-#include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tasks {
 
@@ -97,14 +95,6 @@ std::string problems_text(std::vector<Problem> problems, const std::function<std
         lines.push_back(fmt::format("{}: {}", place(problems[i].position), problems[i].message));
     if (problems.size() > max_problems) lines.push_back(fmt::format("… and {} more problems", problems.size() - max_problems));
     return engine::visible(fmt::format("{}", fmt::join(lines, "\n")));  // a NUL would end what()
-}
-
-std::string read_toml_text(const std::filesystem::path& path) {
-    try {
-        return engine::read_text_input(path.string(), longest_toml);
-    } catch (const engine::InputError& reason) {
-        throw SceneError(fmt::format("{}: cannot be read: {}", path.string(), reason.what()));
-    }
 }
 
 [[noreturn]] static void refuse_malformed_text() { throw std::logic_error("malformed text (place unknown)"); }

@@ -4,7 +4,6 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -52,9 +51,6 @@ inline constexpr std::size_t max_problems = 100;
 
 /// A line per problem, in the order of their positions: "scene.toml:3:1: chain.pns: unknown key"
 [[nodiscard]] std::string problems_text(std::vector<Problem> problems, const std::function<std::string(Position)>& place);
-
-/// The text of a TOML file. @throws SceneError "path: cannot be read: why"
-[[nodiscard]] std::string read_toml_text(const std::filesystem::path& path);
 
 /// @return the document's table, or the first violation of the TOML grammar (duplicate keys included) or of what this program takes: texts
 /// up to longest_toml, keys of up to 256 characters and 32 parts, values nested up to 32 deep
