@@ -186,8 +186,8 @@ constexpr std::size_t losses = 6, efficiency = 7;
 [[nodiscard]] Block block_of(const MeanPoint& begin, const MeanPoint& end) noexcept {
     const auto mean = [&](Mean quantity, std::size_t k = 0) { return end.mean_since(begin, quantity, k); };
     const double driven = mean(Mean::clamping, 1);
-    return {{end.ratio_since(begin), driven != 0.0 ? mean(Mean::clamping) / driven : 0.0, mean(Mean::tight), mean(Mean::slack), mean(Mean::slip),
-             mean(Mean::friction_slip), (end.energy.lost() - begin.energy.lost()) / (end.time - begin.time),
+    return {{end.ratio_since(begin), driven != 0.0 ? mean(Mean::clamping) / driven : 0.0, mean(Mean::tight), mean(Mean::slack),
+             mean(Mean::slip), mean(Mean::friction_slip), (end.energy.lost() - begin.energy.lost()) / (end.time - begin.time),
              end.energy.since(begin.energy).efficiency()}};
 }
 

@@ -57,7 +57,7 @@ struct MeanPoint {
         const std::size_t at = static_cast<std::size_t>(quantity) + k;
         return (integral[at] - before.integral[at]) / (time - before.time);
     }
-    /// Speed ratio since an earlier point: how far shaft 1 has turned over how far shaft 2 has, so that a shaft that stands for a while
+    /// Speed ratio since an earlier point: how far shaft 1 has turned over how far shaft 2 has, so that a shaft that is at rest for a while
     /// does not decide. NaN or infinite only where shaft 2 has not turned at all.
     [[nodiscard]] double ratio_since(const MeanPoint& before) const noexcept {
         return mean_since(before, Mean::speed, 0) / mean_since(before, Mean::speed, 1);

@@ -88,8 +88,8 @@ TEST(RunMeans, SayWhereControlMissesItsTarget) {
     }
 }
 
-/// Shaft 2 stands, then turns half as fast as shaft 1: four turns to one, where the ratio of most instants is infinite.
-TEST(RunMeans, HaveARatioWhereAShaftStandsForAWhile) {
+/// Shaft 2 is at rest, then turns half as fast as shaft 1: four turns to one, where the ratio of most instants is infinite.
+TEST(RunMeans, HaveARatioWhereAShaftIsAtRestAtFirst) {
     const RunMeans means = means_over(1000, 1e-3, 1e-3, [](int k, model::Observation& now, EnergySums&) {
         now.speed = {200.0, k < 500 ? 0.0 : 100.0};
         now.ratio = now.speed[0] / now.speed[1];
