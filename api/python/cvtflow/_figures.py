@@ -175,7 +175,7 @@ def _fill(axis, panel, is_last):
 def _legend_columns(panel):
     """Columns of a legend below the frame; 0: it has room beside it."""
     longest = max((len(name) for name in [line.name for line in panel.lines] + panel.kinds if name), default=0)
-    return max(1, min(4, 112 // (longest + 6))) if longest > _LEGEND else 0
+    return max(1, min(4, 112 // (longest + 6))) if longest > _LEGEND or panel.bars and panel.kinds else 0   # texts of bars need the room
 
 
 def _legend_height(panel):
