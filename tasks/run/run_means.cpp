@@ -279,66 +279,74 @@ struct Controlled {
     int fifth = 4;
 };
 
-/// A row of note_kinds(): whether a run has it, and its text.
-struct Finding {
-    bool found;
-    std::string text;
-};
-
-[[nodiscard]] std::array<Finding, std::size(kinds)> findings(const RunMeans& means, const EnergyBalance& balance) {
+/// Which of note_kinds() there are.
+[[nodiscard]] std::array<bool, std::size(kinds)> odd(const RunMeans& means, const EnergyBalance& balance) {
+    if (means.curve().empty()) return {};
     const SpanMeans whole = means.all(), last = means.fifth(4);
-    const bool stands = whole.turning < standing_speed, turns = !stands;
     const auto lives_on_itself = [](const SpanMeans& span) { return span.input > 0.0 && span.lost > span.input; };
+    const bool stands = whole.turning < standing_speed;
     const Controlled control(means);
-    const MeanErrors errors = means.errors();
-    const Doubt doubt = doubt_of(means, errors);
+    const Doubt doubt = doubt_of(means, means.errors());
     const bool uncertain = doubt == Doubt::few || doubt == Doubt::uncertain;
-    const std::string doubts = doubt_text(doubt, means, errors);
-    return {
-        {{std::abs(last.slip) > gross_slip && turns, "the chain slips by " + percent(last.slip)},
-         {control.limited > often, fmt::format("control is at the limit of its authority ({} of the {})", percent(control.limited),
-                                               control.of_run ? "run" : "last fifth")},
-         {std::abs(control.missed) > misses && turns,
-          fmt::format("control misses its target by {} in {}", percent(control.missed), control.place())},
-         {last.swing > swings && turns,
-          fmt::format("a controlled clamping force swings by {} of its mean (standard deviation): the gains of its controller are too high",
-                      percent(last.swing))},
-         {last.loose > often, fmt::format("the {} strand carries no tension ({} of the last fifth)",
-                                          last.tight < last.slack ? "tight" : "slack", percent(last.loose))},
-         {whole.beyond > 0.0,
-          fmt::format("clamping exceeds wear.clamping_limit at its slip speed in {} of the time", percent(whole.beyond))},
-         {!whole.no_load && (lives_on_itself(whole) || lives_on_itself(last)),
-          fmt::format("there is no efficiency: {:.3g} W are lost of {:.3g} W that come in ({:.3g} of {:.3g} W in the last fifth), and what "
-                      "moves gives the rest",
-                      whole.lost, whole.input, last.lost, last.input)},
-         {doubt != Doubt::none && !uncertain && turns, doubts},
-         {uncertain && turns, doubts},
-         {stands, "the machine is at rest: slip is noise"},
-         {(whole.no_load || (whole.input > 0.0 && whole.carried < 1.0)) && turns,
-          fmt::format(
-              "no load: drive and load transfer {} of the losses{}", percent(whole.carried),
-              whole.no_load ? ": there is no efficiency, and slip is that of idling" : ": slip and efficiency are those of idling")},
-         {whole.cycle_missed(), means.cycle_miss().text(whole)},
-         {unresolved(balance) > resolved_share * balance.loss,
-          fmt::format("losses below the resolution of the energy balance: it would not show an error of {:.2g} J of {:.2g} J",
-                      unresolved(balance), balance.loss)}}};
+    return {std::abs(last.slip) > gross_slip && !stands,
+            control.limited > often,
+            std::abs(control.missed) > misses && !stands,
+            last.swing > swings && !stands,
+            last.loose > often,
+            whole.beyond > 0.0,
+            !whole.no_load && (lives_on_itself(whole) || lives_on_itself(last)),
+            doubt != Doubt::none && !uncertain && !stands,
+            uncertain && !stands,
+            stands,
+            (whole.no_load || (whole.input > 0.0 && whole.carried < 1.0)) && !stands,
+            whole.cycle_missed(),
+            unresolved(balance) > resolved_share * balance.loss};
 }
 
 }  // namespace
 
 std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, bool pulleys) {
+    std::array<bool, std::size(kinds)> found = odd(means, balance);
+    if (!pulleys) std::fill(found.begin(), found.end() - 1, false);
+    const SpanMeans whole = means.all(), last = means.fifth(4);
+    const Controlled control(means);
+    const MeanErrors errors = means.errors();
+    const std::string doubts = doubt_text(doubt_of(means, errors), means, errors);
+    const std::string texts[] = {
+        fmt::format("the chain slips by {}", percent(last.slip)),
+        fmt::format("control is at the limit of its authority ({} of the {})", percent(control.limited),
+                    control.of_run ? "run" : "last fifth"),
+        fmt::format("control misses its target by {} in {}", percent(control.missed), control.place()),
+        fmt::format("a controlled clamping force swings by {} of its mean (standard deviation): the gains of its controller are too high",
+                    percent(last.swing)),
+        fmt::format("the {} strand carries no tension ({} of the last fifth)", last.tight < last.slack ? "tight" : "slack",
+                    percent(last.loose)),
+        fmt::format("clamping exceeds wear.clamping_limit at its slip speed in {} of the time", percent(whole.beyond)),
+        fmt::format("there is no efficiency: {:.3g} W are lost of {:.3g} W that come in ({:.3g} of {:.3g} W in the last fifth), and what "
+                    "moves gives the rest",
+                    whole.lost, whole.input, last.lost, last.input),
+        doubts,
+        doubts,
+        "the machine is at rest: slip is noise",
+        fmt::format("no load: drive and load transfer {} of the losses{}", percent(whole.carried),
+                    whole.no_load ? ": there is no efficiency, and slip is that of idling" : ": slip and efficiency are those of idling"),
+        means.cycle_miss().text(whole),
+        fmt::format("losses below the resolution of the energy balance: it would not show an error of {:.2g} J of {:.2g} J",
+                    unresolved(balance), balance.loss),
+    };
     std::vector<Note> notes;
-    if (means.curve().empty()) return notes;
-    auto all = findings(means, balance);
-    for (std::size_t k = pulleys ? 0 : all.size() - 1; k < all.size(); ++k) {  // the last one is of losses
-        if (all[k].found) notes.push_back({kinds[k].name, std::move(all[k].text)});
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        if (found[k]) notes.push_back({kinds[k].name, texts[k]});
     }
     return notes;
 }
 
 void name_notes(const RunMeans& means, const EnergyBalance& balance, std::string& names) {
+    const std::array<bool, std::size(kinds)> found = odd(means, balance);
     names.clear();
-    for (const Note& note : notes(means, balance)) names.append(names.empty() ? "" : " ").append(note.name);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);
+    }
 }
 
 void add_sample(RunMeans& means, const model::Observation& now, const Workspace& w, double time) {

@@ -63,7 +63,7 @@ TEST_F(StabilityCommands, StabilityOfMethodsThatAreNoTablesIsThatOnTheirOwnTestE
     EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  sw2 +any +any +any +any "));
     EXPECT_THAT(read("maps/stability-programs.csv"), HasSubstr("\nsw2,linear,,,,,inf,inf,inf,inf,1,"));
     EXPECT_THAT(read("maps/stability-leapfrog-rkc.svg"),
-                AllOf(HasSubstr("class=\"region\" d=\"M"), HasSubstr(">h ω</text>"), HasSubstr(">h c</text>")));
+                AllOf(HasSubstr("<g id=\"PathCollection"), HasSubstr(">h ω</text>"), HasSubstr(">h c</text>")));
     EXPECT_THAT(read("maps/stability-sw2.svg"), HasSubstr(">Im hλ</text>"));
 }
 
