@@ -198,7 +198,7 @@ TEST(DeepUnseenPoints, OfTheSmallestSceneAreWithinFivePerCent) {
 /// A scene, or half of a sweep, is a test of its own, so that a night can end with some of them.
 class NightlyUnseenPoints : public testing::TestWithParam<std::string> {};
 
-/// Of nine points at most none, of twenty one misses: 19 of 20.
+/// Expects that 19 of 20 points meet their target: none of nine misses it, at most one of twenty.
 void expect_nineteen_of_twenty(const UnseenTally& tally) {
     std::cout << tally.missed << " of " << tally.points << " points miss their target\n";
     EXPECT_GT(tally.points, 0);
@@ -231,7 +231,8 @@ TEST_P(NightlyUnseenPointsOfHalves, OfTheReadySweepAreWithinTheTarget) {
     sweep.scalars.resize(1);
     Axis& axis = sweep.axes.front();
     const std::size_t half = axis.rows() / 2 * axis.keys.size(), begin = GetParam() * half;
-    axis.values = {axis.values.begin() + static_cast<std::ptrdiff_t>(begin), axis.values.begin() + static_cast<std::ptrdiff_t>(begin + half)};
+    axis.values = {axis.values.begin() + static_cast<std::ptrdiff_t>(begin),
+                   axis.values.begin() + static_cast<std::ptrdiff_t>(begin + half)};
     const TuneSettings settings;
     Tuner tuner(sweep, settings, on_and_on);
     std::vector<OperatingPoint> points;
