@@ -1,5 +1,5 @@
-/// Gates on size: files of 500 lines, functions of 40, classes of 20 methods with those of their bases, lines of 140 characters; and the scanner that measures
-/// functions.
+/// Gates on size: files of 500 lines, functions of 40, classes of 20 methods with those of their bases, lines of 140 characters; and the
+/// scanner that measures functions.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -79,7 +79,7 @@ public:
             for (ClassSize& each : classes_of(file.text)) found_[each.name].push_back({file.path, std::move(each)});
     }
 
-    /// Those with more than max_methods.
+    /// Lists the classes with more than max_methods.
     [[nodiscard]] std::map<std::string, std::size_t> large() const {
         std::map<std::string, std::size_t> large;
         for (const auto& [name, places] : found_) {
@@ -107,7 +107,7 @@ private:
         return all;
     }
 
-    /// Of several classes of a name, the one whose path has most in common with that of the derived class; nullptr: of a library.
+    /// Finds the class of this name whose path has most in common with that of the derived class; nullptr: it is of a library.
     [[nodiscard]] const Place* nearest(const std::string& name, const Place& derived) const {
         const auto places = found_.find(name);
         if (places == found_.end() || name == derived.size.name) return nullptr;
