@@ -16,14 +16,14 @@ namespace {
 
 constexpr double gross_slip = 0.03;      ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
 constexpr double often = 0.05;           ///< share of time
-constexpr double misses = 0.01;          ///< of a controller's target
+constexpr double misses = 0.01;          ///< share of a controller's target
 constexpr double swings = 0.05;          ///< a controlled force: standard deviation over mean
 constexpr double known = 0.01;           ///< error of a mean beyond which it is no result to 1 %
 constexpr double misses_cycle = 0.02;    ///< speed of shaft 2 follows ECE-15 within 1.5 %
 constexpr double varies = 1e-6;          ///< a target that is a table, from fifth to fifth
-constexpr double standing_speed = 0.1;   ///< of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
-constexpr double resolved_share = 0.05;  ///< of the losses, that the balance may leave whatever they are
-constexpr double takes_energy = 0.02;    ///< of the input; 7e-4 over 11 pin periods of the settled baseline
+constexpr double standing_speed = 0.1;   ///< speed of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
+constexpr double resolved_share = 0.05;  ///< share of the losses that the balance may leave
+constexpr double takes_energy = 0.02;    ///< share of the input; 7e-4 over 11 pin periods of the settled baseline
 
 constexpr NoteKind kinds[] = {
     {"gross_slip", "mean slip of the last fifth above 3 %"},

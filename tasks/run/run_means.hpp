@@ -26,28 +26,28 @@ struct SpanMeans {
     double tight = 0.0, slack = 0.0;       ///< [N]
     double limited = 0.0;                  ///< share of time in which a controller had reached its authority
     double missed = 0.0;                   ///< deviation of the first controller's quantity over its target [1]
-    double swing = 0.0;                    ///< of a controlled clamping force, see min_swing() [1]
+    double swing = 0.0;                    ///< swing of a controlled clamping force, see min_swing() [1]
     double loose = 0.0;                    ///< share of time in which a strand carried no tension
     double beyond = 0.0;                   ///< share of time in which clamping was above its limit over the slip speed
     double turning = 0.0;                  ///< speed of the shafts without its sign, mean of both [rad/s]
     std::array<double, 2> speed{};         ///< [rad/s]
-    std::array<double, 2> torque{};        ///< of drive and load [N·m]
-    std::array<double, 2> chain_torque{};  ///< of the chain on the shafts [N·m]
+    std::array<double, 2> torque{};        ///< torques of drive and load [N·m]
+    std::array<double, 2> chain_torque{};  ///< torques of the chain on the shafts [N·m]
     std::array<double, 2> clamping{};      ///< [N]
     std::array<double, 2> radius{};        ///< [m]
-    std::array<double, 4> axial_force{};   ///< on sheaves 1-, 1+, 2-, 2+ [N]
+    std::array<double, 4> axial_force{};   ///< forces on sheaves 1-, 1+, 2-, 2+ [N]
     double efficiency = 0.0;               ///< 1 - losses/input; not a number without input or without load [1]
     double input = 0.0, taken = 0.0;       ///< power of the inputs that brought energy, and of those that took any [W]
-    std::array<double, 2> shaft_power{};   ///< of drive and load, negative: taken out [W]
+    std::array<double, 2> shaft_power{};   ///< powers of drive and load, negative: taken out [W]
     std::array<double, 2> drag{};          ///< power that seals, bearings and oil take from the shafts [W]
-    double lost = 0.0;                     ///< in the variator and by the drag of its shafts [W]
+    double lost = 0.0;                     ///< losses of the variator and by the drag of its shafts [W]
     double stored = 0.0;                   ///< change of the stored energy over the input; 0 without input [1]
     bool no_load = false;                  ///< no shaft took a hundredth of the input: there is no efficiency
     model::HydraulicEnergy hydraulics{};   ///< mean powers [W]; `stored` is the mean rate of what is stored
     double with_pump = 0.0;                ///< efficiency with the pump's power and losses; as efficiency where there is no pump [1]
     double overall = 0.0;                  ///< efficiency from outside to outside: with pump and drag of the shafts [1]
-    double carried = 0.0;                  ///< what drive and load have taken out of the machine over its losses, in the same time [1]
-    double target = 0.0;                   ///< of the first controller [1]
+    double carried = 0.0;                  ///< power that drive and load took out of the machine over its losses [1]
+    double target = 0.0;                   ///< target of the first controller [1]
     double astray = 0.0;                   ///< mean distance of the speed of shaft 2 from what a cycle needs, over that [1]
     double short_of = 0.0;                 ///< missing work of shaft 2 over what a cycle needs, without its sign [1]
 
@@ -110,7 +110,7 @@ public:
 
 private:
     void check_steady() noexcept;
-    [[nodiscard]] double begin() const noexcept;                 ///< of the means [s]
+    [[nodiscard]] double begin() const noexcept;                 ///< begin of the means [s]
     [[nodiscard]] double end() const noexcept;                   ///< [s]
     [[nodiscard]] SpanMeans span(double from, double to) const;  ///< from, to: shares of the time of the means [1]
 

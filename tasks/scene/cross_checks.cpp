@@ -214,7 +214,7 @@ std::string with_values(std::string_view text, Scene scene) {
 
 /// Requirement that the values of some keys must satisfy together.
 struct Row {
-    std::string_view keys{};                    ///< of the CrossCheck, separated by spaces; empty: as above, if that found nothing
+    std::string_view keys{};                    ///< keys of the CrossCheck; empty: those of the row above, if it found nothing
     bool (*when)(const Scene&) = nullptr;       ///< where this is true,
     bool (*required)(const Scene&) = nullptr;   ///< this must be true
     std::string_view violation{};               ///< for with_values()

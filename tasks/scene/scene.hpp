@@ -57,7 +57,7 @@ struct RunSettings {
     std::string method = "auto";  ///< name in the catalogue of methods, or auto: see method_of()
     AutoNumber step;              ///< fixed or longest [s]; automatic: as long as the method is stable and accurate at the present state
     StepControl step_control = StepControl::fixed;
-    double tolerance = 1.0;         ///< of local errors, in units of ErrorScale [1]
+    double tolerance = 1.0;         ///< limit of local errors, in units of ErrorScale [1]
     AutoNumber until = 5e-3;        ///< [s]; automatic: once the means are steady
     double steady = 0.01;           ///< largest error of means then (SteadyRule) [1]
     double steady_limit = 16.0;     ///< such a run ends at the latest then [revolutions of the chain]
@@ -71,7 +71,7 @@ struct RunSettings {
     PartitionKind partition = PartitionKind::equal;
     int segments = 0;                   ///< parts of the chain that are tasks of their own; 0: as many as threads
     int threads = 0;                    ///< 0: as many as this process may use
-    std::uint64_t seed = 0;             ///< of whatever is drawn by chance
+    std::uint64_t seed = 0;             ///< seed of all that is drawn by chance
     std::vector<std::string> channels;  ///< recorded beside the usual ones: names, or groups such as "tips/*"
     bool means = false;                 ///< an output is the mean since the one before, and not of its instant
     bool operator==(const RunSettings&) const = default;
@@ -95,10 +95,10 @@ struct Scene {
     std::string state_file;                  ///< absolute path of the state to start from; empty: geometric start
     std::string state_place;     ///< where start.state was given, for problems that show later: `scene.toml:12:9: `; empty: nowhere
     std::string method_place;    ///< the same of run.method
-    KeptState start_state;       ///< what state_file holds, read once
+    KeptState start_state;       ///< state that state_file holds, read once
     std::string text;            ///< the TOML as it was read; not changed by set_values or apply_detail (see write_scene)
-    std::filesystem::path path;  ///< of the file, as given
-    std::vector<std::filesystem::path> named_files;  ///< by its values: CSV tables, and states whether they are used or not
+    std::filesystem::path path;  ///< path of the file, as given
+    std::vector<std::filesystem::path> named_files;  ///< files that its values name: CSV tables, and states whether they are used or not
 };
 
 /// The file that a scene was read from and those that it names: nothing written for it may replace them. Empty paths: none.
@@ -151,8 +151,8 @@ struct DetailPreset {
     model::PulleyDetail pulleys;
     double mass_scaling;   ///< [1]
     double cost;           ///< processor time of a simulated second over that of "fine", each with its own automatic step [1]
-    double tension_error;  ///< of the strands' tensions, the larger one, against the finest level at a quarter of its step [1]
-    double slip_error;     ///< likewise [1]
+    double tension_error;  ///< error of the strands' tensions, the larger one, against the finest level at a quarter of its step [1]
+    double slip_error;     ///< error of the slip, likewise [1]
 };
 
 /// All levels of detail, coarsest first.

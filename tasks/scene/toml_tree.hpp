@@ -34,12 +34,12 @@ struct Node {
     using Array = std::vector<Node>;
     using Table = std::vector<Entry>;
     std::variant<Date, bool, std::int64_t, double, std::string, Array, Table> value;
-    Position position;  ///< of the value
+    Position position;  ///< place of the value
 };
 
 struct Entry {
     std::string key;
-    Position position;  ///< of the key
+    Position position;  ///< place of the key
     Node node;
 };
 

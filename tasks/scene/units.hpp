@@ -24,8 +24,8 @@ struct Dimension {
 
 /// A number with its unit, read from text.
 struct Quantity {
-    double value = 0.0;   ///< in SI [SI unit of its dimension]
-    double number = 0.0;  ///< as written, before the unit [unit as written]
+    double value = 0.0;   ///< number in SI [SI unit of its dimension]
+    double number = 0.0;  ///< number as written, before the unit [unit as written]
     Dimension dimension;
     bool has_unit = false;
 };
@@ -52,18 +52,18 @@ struct Quantity {
 
 /// The unit in which pictures, reports and tables show a quantity.
 struct DisplayUnit {
-    std::string_view unit;  ///< as given, if none is more usual
-    double factor = 1.0;    ///< from the SI unit
+    std::string_view unit;  ///< unit as given, if none is more usual
+    double factor = 1.0;    ///< factor from the SI unit
 };
 
 /// How a quantity is shown whose name contains `part` ('_' for '/' and '.'); the first row that applies counts.
 struct DisplayRow {
     std::string_view si, part, shown;
-    double factor;  ///< from the SI unit
+    double factor;  ///< factor from the SI unit
 };
 [[nodiscard]] std::span<const DisplayRow> display_rows() noexcept;
 
-/// As engineers read it: pressures in bar, flows in l/min, speeds of shafts in rpm, slip in %. The only table of these units.
+/// Unit that engineers read: pressures in bar, flows in l/min, speeds of shafts in rpm, slip in %. The only table of these units.
 /// @param name of a channel, a column or a key: forces of the chain are in kN, those of a tip in N   @param unit SI unit; empty: none
 [[nodiscard]] DisplayUnit display_unit(std::string_view name, std::string_view unit);
 

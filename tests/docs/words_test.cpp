@@ -116,6 +116,7 @@ struct SourceText {
     Place place;
     int line;          ///< of its beginning, from 1
     std::string text;  ///< comment: its consecutive lines, without code between backticks; name: its words, in lower case
+    bool docstring = false;
 };
 
 bool is_in_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
@@ -177,7 +178,11 @@ private:
         if (begins("///<") != std::exchange(after_code_, begins("///<"))) joins_ = false;
         const std::size_t begin = std::min(source_.find_first_not_of("/<", at_), source_.size());
         const std::size_t end = std::min(source_.find('\n', at_), source_.size());
-        if (source_[at_] != '#') add(Place::comment, comment_text(source_.substr(std::min(begin, end), end - std::min(begin, end))), " ");
+        const bool docstring = begins("///");
+        if (source_[at_] != '#') {
+            add(Place::comment, comment_text(source_.substr(std::min(begin, end), end - std::min(begin, end))), " ");
+            texts_.back().docstring |= docstring;
+        }
         skip(end);
     }
 
@@ -261,6 +266,10 @@ const std::string table_path = CVTFLOW_SOURCE_DIR "/tests/docs/source_words.csv"
 /// Rejected in sources, allowed in pages.
 constexpr std::array further_words{"look", "looked", "looking", "impatient", "at hand", "so many", "by how much"};
 constexpr std::array openings{"Of ", "What ", "That many ", "Those ", "The same "};
+/// First words of docstrings that begin with neither a noun nor a verb, and are no sentence.
+constexpr std::array fragments{"of ",     "what ",    "that ",   "from ",  "by ",   "with ",    "without ",
+                               "in ",     "at ",      "on ",     "as ",    "its ",  "since ",   "so ",
+                               "behind ", "between ", "before ", "after ", "also ", "likewise", "the latter "};
 
 /// Folder, place and rule, as in the table: "tasks/step,comment,wanted".
 using Row = std::string;
@@ -316,6 +325,8 @@ Places matches(const std::string& path, const std::string& source) {
         if (text.place != Place::comment) continue;
         for (const char* words_at_begin : openings) note(words_at_begin + std::string("…"), beginnings_of(text.text, words_at_begin));
         note("; unit […]", unit_tails_of(text.text));
+        const bool fragment = std::ranges::any_of(fragments, [&](std::string_view word) { return lower.starts_with(word); });
+        if (text.docstring && fragment) note("fragment …", {0});
     }
     return found;
 }
@@ -412,11 +423,13 @@ TEST(Glossary, SentencesAreFoundByTheirBeginningAndUnitsByTheirTail) {
     const Places found = matches("model/a/b.cpp",
                                  "// What is it? Of steps.\n// Those of old. The same\n// again. Not What, nor Of.\nint a;\n"
                                  "/// That many steps; time [s], tail [unknowns].\nvoid load();  ///< memory [what save() wrote]\n"
-                                 "/// @param time [s]\nint b;  ///< [size()] of steps\n/// Of c.\nint c;  ///< old; [m] of it; 0: [m]\n");
+                                 "/// @param time [s]\nint b;  ///< [size()] of steps\n/// Of c.\nint c;  ///< old; [m] of it; 0: [m]\n"
+                                 "int d;  ///< by the steps\nint e;  // by them\nint f;  ///< bytes\n");
     std::vector<std::string> rows;
     for (const auto& [row, places] : found) rows.push_back(row + "," + std::to_string(places.size()));
     EXPECT_THAT(rows, testing::ElementsAre("model/a,comment,; unit […],2", "model/a,comment,Of …,2", "model/a,comment,That many …,1",
-                                           "model/a,comment,The same …,1", "model/a,comment,Those …,1", "model/a,comment,What …,1"));
+                                           "model/a,comment,The same …,1", "model/a,comment,Those …,1", "model/a,comment,What …,1",
+                                           "model/a,comment,fragment …,3"));
 }
 
 TEST(Glossary, CountsThatGrewAndCountsThatShrankAreReported) {
