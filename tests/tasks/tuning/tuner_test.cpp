@@ -198,7 +198,7 @@ TEST(DeepUnseenPoints, OfTheSmallestSceneAreWithinFivePerCent) {
 /// Each scene is one test, as is either half of a sweep, so that a part of a night can end.
 class NightlyUnseenPoints : public testing::TestWithParam<std::string> {};
 
-/// At most one of twenty points may miss, so none of nine.
+/// A point of twenty may miss its target, so none of nine.
 void expect_nineteen_of_twenty(const UnseenTally& tally) {
     std::cout << tally.missed << " of " << tally.points << " points miss their target\n";
     EXPECT_GT(tally.points, 0);
