@@ -23,7 +23,7 @@ std::string CaseEngine::checkpoint_file() const { return case_file(places_.check
 void CaseEngine::save() {
     Checkpoint checkpoint;
     checkpoint.integration = at_->simulation.integration_state();
-    checkpoint.history.settling = result_.settling;
+    checkpoint.history = history_;
     checkpoint.history.wall = elapsed();
     scalars_.save(checkpoint.recorder);
     if (recorder_) {
@@ -70,7 +70,7 @@ void CaseEngine::resume_from(const Checkpoint& checkpoint) {
     record_options_.from = nullptr;
     at_->simulation.restore(checkpoint.integration);
     window_steps_ = checkpoint.integration.counters.steps;
-    result_.settling = checkpoint.history.settling;
+    history_ = checkpoint.history;
     wall_before_ = checkpoint.history.wall;
     const auto memory = scalars_.load(checkpoint.recorder, checkpoint.integration.time);
     if (recorder_) recorder_->restore({memory.begin(), memory.end()});

@@ -77,8 +77,6 @@ CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& co
     resumable_ = std::filesystem::exists(places_.checkpoints, missing);
 }
 
-CaseEngine::~CaseEngine() = default;
-
 const CaseResult& CaseEngine::run(long number) {
     result_.number = number;
     result_.error.clear();
@@ -137,8 +135,9 @@ void CaseEngine::prepare() {
     wall_before_ = serial_rate_ = 0.0;
     window_steps_ = 0;
     refused_threads_ = 0;
-    pause_ = on_disk_ = false;
-    pause_reason_ = Pause::none;
+    on_disk_ = false;
+    pause_ = Pause::none;
+    history_ = {};
     recorder_.reset();
     record_options_.from = nullptr;
     scalars_.clear();
@@ -154,7 +153,7 @@ void CaseEngine::prepare() {
 double CaseEngine::elapsed() const { return wall_before_ + seconds_since(started_); }
 
 void CaseEngine::begin(const StartStates::State& saved) {
-    if (serial_ == nullptr || !fits(serial_->simulation, scene_)) serial_ = std::make_unique<Site>(without_state(scene_), Schedule{});
+    if (serial_ == nullptr || !fits(serial_->simulation, scene_)) serial_ = std::make_unique<CaseSite>(without_state(scene_), Schedule{});
     serial_->simulation.reset(scene_, saved.get(), saved ? nullptr : starts_.placed(result_.number, scene_).get());
     at_ = serial_.get();
     if (record_options_.from != nullptr)
@@ -173,8 +172,7 @@ void CaseEngine::integrate() {
     }
     RunMeans& means = scalars_.means();
     means.seek_steady(rule);
-    latest_ = longer_ > 0.0 ? longer_ : latest_end(scene_);
-    end_ = longer_ > 0.0 || !scalars_.by_periods() ? latest_ : std::numeric_limits<double>::infinity();
+    end_ = longer_ > 0.0 ? RunEnd{longer_, longer_} : end_of(scene_);
     const bool resumed = restore();
     StartStates::State from = own_start_ ? nullptr : end_before(sweep_, places_, result_.number, scene_);
     if (from)
@@ -183,9 +181,8 @@ void CaseEngine::integrate() {
         from = starts_.of_case(result_.number, scene_, control_.stop());
     result_.start_state = from ? content_hash(*from) : 0;
     if (!resumed) begin(from);
-    Fault fault;
-    do fault = part();
-    while (!fault && !means.ended() && at_->simulation.time() < end_ - 1e-9 * scene_.run.output_interval);
+    const Fault fault = run();
+    result_.settling = history_.settling;
     if (longer_ > 0.0) means.conclude();
     judge(fault, result_);
     judge_energy(at_->simulation, means, result_);
@@ -202,55 +199,34 @@ void CaseEngine::integrate() {
     if (result_.status == CaseStatus::ok && !own_start_) keep_for_neighbour(sweep_, places_, result_.number, scene_, at_->simulation);
 }
 
-/// Settles or runs from the present state until it is complete, pauses included.
-Fault CaseEngine::part() {
-    for (;;) {
-        Simulation& s = at_->simulation;
-        if (recorder_) recorder_->begin_part(s.needs_settling() ? -1.0 : s.time(), latest_);
-        pause_ = false;
-        const bool settling = s.needs_settling();
-        const Fault fault = s.advance({.until = end_, .pause = &pause_}, *this, never_);
-        if (settling) result_.settling = s.counters();
-        if (fault.kind == FaultKind::cancelled && scalars_.means().ended()) return scalars_.means().steady_fault();
-        if (fault.kind != FaultKind::cancelled || pause_reason_ == Pause::stop || pause_reason_ == Pause::none) return fault;
-        if (pause_reason_ == Pause::checkpoint)
-            save();
-        else
-            change_threads();
+/// Settling, if the case needs it, and the run.
+Fault CaseEngine::run() {
+    scalars_.observe(*at_, scene_.run, end_.time);
+    RunLoop loop(at_->simulation, history_, scalars_.means(), *this, scalars_, never_);
+    loop.record(recorder_.get());
+    const Fault fault = loop.settle(-scene_.parameters.start.settling_time);
+    return fault ? fault : loop.run(end_);
+}
+
+bool CaseEngine::due(double time, const Counters& counters) {
+    pause_ = pause_for(time, counters);
+    return pause_ != Pause::none;
+}
+
+bool CaseEngine::pass(RunLoop& loop) {
+    if (pause_ == Pause::checkpoint) save();
+    if (pause_ == Pause::more_threads) {
+        change_threads();
+        scalars_.observe(*at_, scene_.run, end_.time);
+        loop.move_to(at_->simulation);
     }
-}
-
-/// Scalars and means are of the time from sweep.from on.
-bool CaseEngine::counts(double time) const noexcept { return !at_->simulation.needs_settling() && time >= sweep_.from * (1.0 - 1e-12); }
-
-void CaseEngine::output(double time, const Workspace& workspace, const Counters& counters) {
-    if (recorder_) recorder_->output(time, workspace, counters);
-    if (counts(time))
-        scalars_.output({time, workspace, counters, at_->observer, scene_.run.followed_pin},
-                        time >= end_ - 1e-9 * scene_.run.output_interval);
-    pause_reason_ = pause_for(time, counters);
-    pause_ = pause_reason_ != Pause::none || scalars_.means().ended();
-}
-
-bool CaseEngine::samples(double time) const noexcept {
-    return (counts(time) && scalars_.due(time)) || (recorder_ && recorder_->samples(time));
-}
-
-void CaseEngine::sample(double time, const Workspace& workspace, const Counters& counters) {
-    if (recorder_ && recorder_->samples(time)) recorder_->sample(time, workspace, counters);
-    if (!counts(time)) return;
-    scalars_.sample({time, workspace, counters, at_->observer, scene_.run.followed_pin});
-    pause_ = pause_ || scalars_.means().ended();
-}
-
-void CaseEngine::transition(const TransitionRecord& record) {
-    if (recorder_) recorder_->transition(record);
+    return pause_ != Pause::stop;
 }
 
 /// At an output: whether the case should pause, and for what.
 CaseEngine::Pause CaseEngine::pause_for(double time, const Counters& counters) {
     const double begin = at_->simulation.needs_settling() ? -scene_.parameters.start.settling_time : 0.0;
-    const double share = (time - begin) / std::max(1e-300, latest_ - begin);
+    const double share = (time - begin) / std::max(1e-300, end_.latest - begin);
     const double left = share > 0.0 ? seconds_since(started_) * (1.0 - share) / share : 1e300;
     if (control_.stop().requested() && left > control_.grace_left()) return Pause::stop;
     const double window = seconds_since(window_begin_);
@@ -277,7 +253,7 @@ void CaseEngine::change_threads() {
         Schedule schedule;
         schedule.executor = "flow";
         schedule.threads = schedule.segments = threads;
-        parallel_ = std::make_unique<Site>(without_state(scene_), schedule);
+        parallel_ = std::make_unique<CaseSite>(without_state(scene_), schedule);
         at_ = parallel_.get();
         result_.threads = std::max(result_.threads, threads);
     }

@@ -8,8 +8,7 @@
 
 #include "engine/executor/tbb/job_pool.hpp"
 #include "tasks/batch/start_states.hpp"
-#include "tasks/run/run_means.hpp"
-#include "tasks/run/run_recorder.hpp"
+#include "tasks/run/run_loop.hpp"
 
 namespace cvtflow::tasks {
 
@@ -94,31 +93,30 @@ void reopen_broken_strands(const Sweep& sweep, const CasePlaces& places, const s
 /// gone.
 void keep_for_neighbour(const Sweep& sweep, const CasePlaces& places, long number, const Scene& scene, Simulation& simulation);
 
-/// Where scalars are read from at an instant of a case.
-struct CaseInstant {
-    double time;  ///< [s]
-    const Workspace& workspace;
-    const Counters& counters;
-    model::Observer& observer;
-    int followed_pin;
+/// A simulation in which cases run, and what observes it.
+struct CaseSite {
+    CaseSite(const Scene& scene, const Schedule& schedule) : simulation(scene, schedule), observer(simulation.workspace().variator) {}
+    Simulation simulation;
+    model::Observer observer;
 };
 
-/// Scalars and means of a case while it runs.
-class CaseScalars {
+/// Scalars and means of a case while it runs, of the time from sweep.from on.
+class CaseScalars final : public RunObserver {
 public:
     explicit CaseScalars(const Sweep& sweep) : sweep_(sweep) {}
 
     /// Ready for another case.
     void clear();
+    /// Reads from there, from now on. @param end  of the case, an output; infinite where it ends when it is steady [s]
+    void observe(CaseSite& site, const RunSettings& run, double end) noexcept;
     /// Since sweep.from, of the samples of scalars.
     [[nodiscard]] RunMeans& means() noexcept { return means_; }
     /// Whether the case ends when it is steady. Scalars are then those of whole pin periods.
     [[nodiscard]] bool by_periods() const noexcept { return means_.rule().limit > 0.0; }
-    /// Whether sample() takes an instant between outputs. time [s]
-    [[nodiscard]] bool due(double time) const noexcept { return means_.curve().empty() || means_.curve().due(time, samples_per_pitch); }
-    void sample(const CaseInstant& now);
-    /// @param last  the case ends here
-    void output(const CaseInstant& now, bool last);
+    void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
+    [[nodiscard]] bool samples(double time) const noexcept override { return counts(time) && due(time); }
+    void sample(double time, const Workspace& workspace, const Counters& counters) override;
+    void transition(const TransitionRecord& /*record*/) override {}
     /// Writes scalars, their errors and the begin of the means. A scalar of a case that ended well must be finite.
     void write(CaseResult& result) const;
 
@@ -132,13 +130,18 @@ private:
         double time;  ///< [s]
         std::vector<Reducer> reducers;
     };
-    void reduce(const CaseInstant& at, const Occasion& when);
+    [[nodiscard]] bool counts(double time) const noexcept;
+    [[nodiscard]] bool due(double time) const noexcept { return means_.curve().empty() || means_.curve().due(time, samples_per_pitch); }
+    void reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when);
     void keep_early();
     [[nodiscard]] Reducer over_periods(std::size_t scalar, double begin) const;
     [[nodiscard]] std::span<Reducer> present_reducers();
     void write_steady(std::size_t i, CaseResult& result) const;
 
     const Sweep& sweep_;
+    CaseSite* site_ = nullptr;
+    int followed_pin_ = 0;
+    double end_ = 0.0;               ///< from which on an output is the last [s]
     std::vector<Reducer> reducers_;  ///< [scalars], or of every pin period [periods x scalars]
     std::vector<Early> early_;       ///< the first early_count_ of them, whose memory other cases have left
     std::size_t early_count_ = 0;
@@ -147,10 +150,9 @@ private:
     std::vector<double> values_;  ///< of one channel [width of the channel]
 };
 
-class CaseEngine final : public RunObserver {
+class CaseEngine final : private Pauses {
 public:
     CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places);
-    ~CaseEngine() override;
 
     /// Runs a case, or resumes it from its checkpoint. Never throws for errors of the case; engine::RecordError if something
     /// cannot be written. A case that was stopped has left a checkpoint.
@@ -163,26 +165,16 @@ public:
     /// The result of a case that took its process down.
     [[nodiscard]] const CaseResult& book_crash(long number, const std::string& why);
 
-    void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
-    [[nodiscard]] bool samples(double time) const noexcept override;
-    void sample(double time, const Workspace& workspace, const Counters& counters) override;
-    void transition(const TransitionRecord& record) override;
-
 private:
     enum class Pause { none, stop, checkpoint, more_threads };
-    /// Where a case runs.
-    struct Site {
-        Site(const Scene& scene, const Schedule& schedule) : simulation(scene, schedule), observer(simulation.workspace().variator) {}
-        Simulation simulation;
-        model::Observer observer;
-    };
     void prepare();
     void begin(const StartStates::State& saved);
     [[nodiscard]] bool restore();
     void resume_from(const Checkpoint& checkpoint);
     void integrate();
-    [[nodiscard]] Fault part();
-    [[nodiscard]] bool counts(double time) const noexcept;  ///< time [s]
+    [[nodiscard]] Fault run();
+    [[nodiscard]] bool due(double time, const Counters& counters) override;
+    [[nodiscard]] bool pass(RunLoop& loop) override;
     void save();
     void change_threads();
     [[nodiscard]] Pause pause_for(double time, const Counters& counters);  ///< time [s]
@@ -196,19 +188,18 @@ private:
     Scene scene_;
     CaseResult result_;
     CaseScalars scalars_;
-    std::unique_ptr<Site> serial_, parallel_;
-    Site* at_ = nullptr;  ///< the one at work
+    RunHistory history_;
+    std::unique_ptr<CaseSite> serial_, parallel_;
+    CaseSite* at_ = nullptr;  ///< the one at work
     bool own_start_ = false;
-    double longer_ = 0.0;     ///< end of the run in place of the scene's; 0: none [s]
-    double end_ = 0.0;        ///< of the run, infinite where it ends when it is steady [s]
-    double latest_ = 0.0;     ///< latest_end() of the case [s]
+    double longer_ = 0.0;  ///< end of the run in place of the scene's; 0: none [s]
+    RunEnd end_{};
     bool resumable_ = false;  ///< there were checkpoints when the sweep began
     bool on_disk_ = false;    ///< the case has one
     std::unique_ptr<RunRecorder> recorder_;
     RunOptions record_options_;
     engine::Cancellation never_;
-    bool pause_ = false;
-    Pause pause_reason_ = Pause::none;
+    Pause pause_ = Pause::none;
     double wall_before_ = 0.0;  ///< in former sessions [s]
     std::chrono::steady_clock::time_point started_, last_save_, window_begin_;
     long window_steps_ = 0;

@@ -22,25 +22,38 @@ void CaseScalars::clear() {
     output_before_ = -std::numeric_limits<double>::infinity();
 }
 
-void CaseScalars::sample(const CaseInstant& now) {
-    if (due(now.time)) reduce(now, by_periods() ? each_sample : Occasion{.sample = true});
+void CaseScalars::observe(CaseSite& site, const RunSettings& run, double end) noexcept {
+    site_ = &site;
+    followed_pin_ = run.followed_pin;
+    end_ = end - 1e-9 * run.output_interval;
+}
+
+bool CaseScalars::counts(double time) const noexcept { return !site_->simulation.needs_settling() && time >= sweep_.from * (1.0 - 1e-12); }
+
+void CaseScalars::sample(double time, const Workspace& workspace, const Counters& counters) {
+    reduce(time, workspace, counters, by_periods() ? each_sample : Occasion{.sample = true});
 }
 
 /// Where samples lie apart by more than outputs, as at rest, outputs are samples.
-void CaseScalars::output(const CaseInstant& now, bool last) {
-    if (by_periods()) return sample(now);
-    reduce(now, {last || due(now.time) || means_.curve().last().time <= output_before_, true, last});
-    output_before_ = now.time;
+void CaseScalars::output(double time, const Workspace& workspace, const Counters& counters) {
+    if (!counts(time)) return;
+    if (by_periods()) {
+        if (due(time)) sample(time, workspace, counters);
+        return;
+    }
+    const bool last = time >= end_;
+    reduce(time, workspace, counters, {last || due(time) || means_.curve().last().time <= output_before_, true, last});
+    output_before_ = time;
 }
 
-void CaseScalars::reduce(const CaseInstant& at, const Occasion& when) {
+void CaseScalars::reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when) {
     bool chain = when.sample;
     for (std::size_t i = 0; i < sweep_.scalars.size() && !chain; ++i)
-        chain = reducers_[i].needs_chain(sweep_.scalars[i], at.time, when, at.counters);
-    const Workspace& w = at.workspace;
-    const Instant now{chain ? w.observed_by(at.observer, at.time) : w.shafts_observed_by(at.observer, at.time), w, at.counters,
-                      at.followed_pin, at.observer};
-    if (when.sample) add_sample(means_, now.observation, w, at.time);
+        chain = reducers_[i].needs_chain(sweep_.scalars[i], time, when, counters);
+    model::Observer& observer = site_->observer;
+    const Instant now{chain ? workspace.observed_by(observer, time) : workspace.shafts_observed_by(observer, time), workspace, counters,
+                      followed_pin_, observer};
+    if (when.sample) add_sample(means_, now.observation, workspace, time);
     const std::span<Reducer> present = present_reducers();
     for (std::size_t i = 0; i < present.size(); ++i) present[i].read(sweep_.scalars[i], now, when, values_);
     if (when.sample && !by_periods()) keep_early();

@@ -20,7 +20,7 @@ struct RunHistory {
     bool settled = false;  ///< whether it began with settling
     Counters settling;
     double begin = 0.0;                      ///< simulated time after settling [s]
-    double wall = 0.0, settling_wall = 0.0;  ///< so far [s]
+    double wall = 0.0, settling_wall = 0.0;  ///< wall times up to now [s]
     bool operator==(const RunHistory&) const = default;
 };
 
@@ -35,19 +35,19 @@ void visit_fields(History& history, Visitor& visitor) requires std::is_same_v<st
 }
 
 struct Checkpoint {
-    std::string scene;        ///< as write_scene
+    std::string scene;        ///< text by write_scene
     std::string name;         ///< of the scene
-    std::string path;         ///< of the scene's file, as given
+    std::string path;         ///< the scene's file, as it was named
     std::string text;         ///< of the scene's file
     std::string record;       ///< absolute path of the run's record; empty: none. A hint for people: it decides about no file
     std::string run;          ///< identity of the run, which its record holds as well; empty: it has no record
     std::string replaces;     ///< identity of the run whose finished record this run was permitted to replace; empty: of none
     std::string program;      ///< version, commit and compiler that wrote it
-    std::string method_hash;  ///< of the method's coefficients
+    std::string method_hash;  ///< hash of the method's coefficients
     std::string slope_hash;   ///< of the right-hand side at the state: another model, or the same one rounded differently, gives another
     IntegrationState integration;
     RunHistory history;
-    std::vector<double> recorder;  ///< from RunRecorder::position()
+    std::vector<double> recorder;  ///< RunRecorder::position()
 };
 
 /// The guards for a simulation of this scene at `state`.

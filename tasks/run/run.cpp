@@ -7,12 +7,11 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "model/kernels/kernels.hpp"
-#include "tasks/run/run_recorder.hpp"
+#include "tasks/run/run_loop.hpp"
 
 namespace cvtflow::tasks {
 
@@ -24,47 +23,24 @@ const engine::Cancellation never;
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Runs a simulation with checkpoints: at intervals the run pauses at an output, is written to disk, and continues.
-class CheckpointingObserver final : public RunObserver {
+/// Writes checkpoints of a run, at intervals and where it ends early.
+class CheckpointPauses final : public Pauses {
 public:
-    CheckpointingObserver(const Scene& scene, const RunOptions& options, Simulation& simulation, RunRecorder& recorder)
-        : scene_(scene), options_(options), simulation_(simulation), recorder_(recorder) {}
+    CheckpointPauses(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunRecorder& recorder,
+                     const RunHistory& history)
+        : scene_(scene), options_(options), simulation_(simulation), recorder_(recorder), history_(history) {}
 
-    void output(double time, const Workspace& workspace, const Counters& counters) override {
-        recorder_.output(time, workspace, counters);
-        pause_due_ = recorder_.means().ended() || (options_.checkpoint_every > 0.0 && since(last_) >= options_.checkpoint_every);
+    [[nodiscard]] bool due(double /*time*/, const Counters& /*counters*/) override {
+        return options_.checkpoint_every > 0.0 && since(last_) >= options_.checkpoint_every;
     }
-    [[nodiscard]] bool samples(double time) const noexcept override { return recorder_.samples(time); }
-    void sample(double time, const Workspace& workspace, const Counters& counters) override {
-        recorder_.sample(time, workspace, counters);
-        pause_due_ = recorder_.means().ended();
+    [[nodiscard]] bool pass(RunLoop& /*loop*/) override {
+        save();
+        return true;
     }
-    void transition(const TransitionRecord& record) override { recorder_.transition(record); }
-
-    /// Runs the present part of the run from the present state until it is complete. @param until end of a part that is not settling
-    [[nodiscard]] Fault go(double until, const engine::Cancellation& cancel, RunReport& report) {
-        Simulation& s = simulation_;
-        recorder_.begin_part(s.needs_settling() ? -scene_.parameters.start.settling_time : report.begin, s.needs_settling() ? 0.0 : until);
-        const Goal goal{.until = scene_.run.until.automatic() ? std::numeric_limits<double>::infinity() : until, .pause = &pause_due_};
-        Fault fault = s.advance(goal, *this, cancel);
-        while (fault.kind == FaultKind::cancelled && pause_due_) {
-            if (recorder_.means().ended()) return recorder_.means().steady_fault();
-            save(report);
-            fault = s.advance(goal, *this, cancel);
-        }
-        const bool resumable =
-            fault.kind == FaultKind::cancelled || fault.kind == FaultKind::max_steps || fault.kind == FaultKind::max_wall;
-        if (resumable && !options_.checkpoint.empty()) save(report);
-        return fault;
-    }
-
-private:
-    void save(const RunReport& report) {
-        pause_due_ = false;
+    void save() {
         Checkpoint checkpoint;
         checkpoint.integration = simulation_.integration_state();
-        checkpoint.history = report;
-        (simulation_.needs_settling() ? checkpoint.history.settling_wall : checkpoint.history.wall) += since(started_);
+        checkpoint.history = history_;
         if (!options_.file.empty()) checkpoint.record = std::filesystem::absolute(options_.file.path()).string();
         checkpoint.run = recorder_.run();
         checkpoint.replaces = options_.replaces;
@@ -74,12 +50,13 @@ private:
         last_ = std::chrono::steady_clock::now();  // saving takes no more than half of the time
     }
 
+private:
     const Scene& scene_;
     const RunOptions& options_;
-    Simulation& simulation_;
+    const Simulation& simulation_;
     RunRecorder& recorder_;
-    bool pause_due_ = false;
-    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now(), started_ = last_;
+    const RunHistory& history_;
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
 /// Puts simulation, recorder and report to where the checkpoint was taken.
@@ -109,22 +86,20 @@ void require_rest(const std::string& file, const Checkpoint& from, const Scene& 
 
 /// Settling, if the start needs it, and the run.
 void run_parts(const Scene& scene, const RunOptions& options, Simulation& simulation, RunRecorder& recorder, RunReport& report) {
-    const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
-    if (simulation.needs_settling()) {
-        const auto started = std::chrono::steady_clock::now();
-        report.settled = true;
-        report.fault = CheckpointingObserver(scene, options, simulation, recorder).go(0.0, cancel, report);
-        report.settling = simulation.counters();
-        report.settling_wall += since(started);
+    CheckpointPauses checkpoints(scene, options, simulation, recorder, report);
+    SilentObserver silent;
+    RunLoop loop(simulation, report, recorder.means(), checkpoints, silent, options.cancel != nullptr ? *options.cancel : never);
+    loop.record(&recorder);
+    report.fault = loop.settle(-scene.parameters.start.settling_time);
+    if (!report.fault) {
+        warn_if_unstable(scene, options, simulation, report);
+        report.fault = loop.run(end_of(scene));
+        report.counters = simulation.counters();
+        report.local_errors = simulation.part().local_errors();
     }
-    if (report.fault) return;
-    const auto started = std::chrono::steady_clock::now();
-    if (!simulation.integration_state().started) report.begin = simulation.time();
-    warn_if_unstable(scene, options, simulation, report);
-    report.fault = CheckpointingObserver(scene, options, simulation, recorder).go(latest_end(scene), cancel, report);
-    report.counters = simulation.counters();
-    report.local_errors = simulation.part().local_errors();
-    report.wall += since(started);
+    const FaultKind ended = report.fault.kind;
+    if (ended != FaultKind::cancelled && ended != FaultKind::max_steps && ended != FaultKind::max_wall) return;
+    if (!options.checkpoint.empty()) checkpoints.save();
 }
 
 }  // namespace

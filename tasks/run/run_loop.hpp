@@ -1,0 +1,70 @@
+#pragma once
+/// The loop of runs and of cases: settling, then the run, with pauses at outputs, until its goal or until its means are steady.
+
+#include <chrono>
+
+#include "tasks/run/checkpoint.hpp"
+#include "tasks/run/run_means.hpp"
+#include "tasks/run/run_recorder.hpp"
+
+namespace cvtflow::tasks {
+
+class RunLoop;
+
+/// Reasons to pause a run at an output: a checkpoint, other threads, a request to stop.
+class Pauses {
+public:
+    virtual ~Pauses() = default;
+    /// Whether the run pauses here; asked at every output. time [s]
+    [[nodiscard]] virtual bool due(double time, const Counters& counters) = 0;
+    /// Does between two steps what the pause is for. false: the run ends, as if it were cancelled.
+    [[nodiscard]] virtual bool pass(RunLoop& loop) = 0;
+
+protected:
+    Pauses() = default;
+    Pauses(const Pauses&) = default;
+    Pauses& operator=(const Pauses&) = default;
+};
+
+/// End of a run.
+struct RunEnd {
+    double time;    ///< infinite where it ends when its means are steady [s]
+    double latest;  ///< no run lasts longer [s]
+};
+[[nodiscard]] RunEnd end_of(const Scene& scene);
+
+class RunLoop final : private RunObserver {
+public:
+    /// All must outlive the loop. @param history  settling and wall times of the run, which the loop continues
+    /// @param means  end the run where they are steady   @param observer  sees outputs, samples and transitions after the recorder
+    RunLoop(Simulation& simulation, RunHistory& history, const RunMeans& means, Pauses& pauses, RunObserver& observer,
+            const engine::Cancellation& cancel)
+        : simulation_(&simulation), history_(history), means_(means), pauses_(pauses), observer_(observer), cancel_(cancel) {}
+
+    /// Records outputs; nullptr: none.
+    void record(RunRecorder* recorder) noexcept { recorder_ = recorder; }
+    /// Continues with another simulation, which has taken the state of this one. Only in Pauses::pass().
+    void move_to(Simulation& simulation) noexcept { simulation_ = &simulation; }
+    /// Settles from the present state on, if the start needs it. @param from begin of settling, negative [s]
+    [[nodiscard]] Fault settle(double from);
+    /// Runs from the present state to the end.
+    [[nodiscard]] Fault run(const RunEnd& end);
+
+private:
+    [[nodiscard]] Fault part(double until, double& wall);
+    void output(double time, const Workspace& workspace, const Counters& counters) override;
+    [[nodiscard]] bool samples(double time) const noexcept override;
+    void sample(double time, const Workspace& workspace, const Counters& counters) override;
+    void transition(const TransitionRecord& record) override;
+
+    Simulation* simulation_;
+    RunHistory& history_;
+    const RunMeans& means_;
+    Pauses& pauses_;
+    RunObserver& observer_;
+    const engine::Cancellation& cancel_;
+    RunRecorder* recorder_ = nullptr;
+    bool pause_ = false;
+};
+
+}  // namespace cvtflow::tasks
