@@ -65,8 +65,8 @@ State Simulation::state() const {
     return impl_->visited([&] {
         const tasks::Simulation& now = impl_->simulation();
         State state;
-        state.bytes_ =
-            api::write_state_bytes(scene().data_->fingerprint(), now.workspace().variator.pulleys().held(), now.integration_state());
+        state.bytes_ = api::write_state_bytes(scene().data_->fingerprint(), now.workspace().variator.pulleys().torques().held(),
+                                              now.integration_state());
         return state;
     });
 }
@@ -237,12 +237,12 @@ void Simulation::set_input(Input input, double value) {
         const InputRow& row = input_row(input, impl_->data());
         require_in_range(row, value);
         const model::PulleyModel& pulleys = impl_->simulation().workspace().variator.pulleys();
-        Held held = pulleys.held();
+        Held held = pulleys.torques().held();
         if (row.turns != InputRow::none) {  // the reference turns on from where it is
             model::ReferenceAngle& reference = held.reference[static_cast<std::size_t>(row.turns)];
             if (row.is_angle() && !held.coupled)
                 throw Error(ErrorCode::argument, std::string(row.name) + ": the coupling acts from t = 0 on");
-            reference.angle = row.is_angle() ? reference.zero + value : pulleys.reference_angle(time(), row.turns);
+            reference.angle = row.is_angle() ? reference.zero + value : pulleys.torques().reference_angle(time(), row.turns);
             reference.since = time();
         }
         if (!row.is_angle()) held.*row.held = value;
@@ -256,11 +256,12 @@ double Simulation::input(Input input) const {
         const InputRow& row = input_row(input, impl_->data());
         const model::PulleyModel& pulleys = impl_->simulation().workspace().variator.pulleys();
         if (row.is_angle()) {
-            const bool acts = pulleys.held().coupled;
-            return acts ? pulleys.reference_angle(time(), row.turns) - pulleys.held().reference[static_cast<std::size_t>(row.turns)].zero
+            const bool acts = pulleys.torques().held().coupled;
+            return acts ? pulleys.torques().reference_angle(time(), row.turns) -
+                              pulleys.torques().held().reference[static_cast<std::size_t>(row.turns)].zero
                         : 0.0;
         }
-        const auto& held = pulleys.held().*row.held;
+        const auto& held = pulleys.torques().held().*row.held;
         return held ? *held : row.table(impl_->data().parameters)->at(std::max(time(), 0.0));
     });
 }

@@ -234,7 +234,7 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::copy() {
     const tasks::IntegrationState& now = simulation_.integration_state();
     const model::StartState start{now.state, now.phases, {}, 0.0};
     auto other = std::make_unique<Impl>(scene_, threads_, segments_, &start);
-    other->restore({scene_.data_->fingerprint(), simulation_.workspace().variator.pulleys().held(), now});
+    other->restore({scene_.data_->fingerprint(), simulation_.workspace().variator.pulleys().torques().held(), now});
     other->start_differences_ = start_differences_;
     return other;
 }

@@ -8,11 +8,25 @@
 #include "model/force/pulley_inputs.hpp"
 
 namespace cvtflow::model {
+namespace {
+
+/// Whether it is the sheave that imperfections name.
+[[nodiscard]] bool is_imperfect(const Imperfection& of, int shaft, int side) noexcept {
+    return 2 * shaft + side == static_cast<int>(of.sheave);
+}
+
+/// Freedom 0 of that sheave, of elastic pulleys.
+[[nodiscard]] int imperfect_freedom(const Imperfection& of) noexcept {
+    const int sheave = static_cast<int>(of.sheave);
+    return body_freedom(sheave_body(sheave / 2, sheave % 2), 0);
+}
+
+}  // namespace
 
 PulleyModel::PulleyModel(const Parameters& p) { adopt(p); }
 
 void PulleyModel::adopt(const Parameters& p) {
-    PulleyInputs::adopt(p);
+    inputs_.adopt(p);
     pulley_ = p.pulley;
     imperfection_ = p.imperfection;
     half_length_ = 0.5 * p.half.length;
@@ -22,8 +36,8 @@ void PulleyModel::adopt(const Parameters& p) {
 
 void PulleyModel::add_inertia(const std::array<double, 2>& added) {
     inertia_.clear();
-    if (size() == 0) return;
-    if (!elastic()) {
+    if (coordinates().size() == 0) return;
+    if (!coordinates().elastic()) {
         for (int shaft = 0; shaft < 2; ++shaft)
             inertia_.push_back(pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + added[shaft]);
         inertia_.insert(inertia_.end(), 2, pulley_.sheave_mass);
@@ -39,14 +53,15 @@ void PulleyModel::add_inertia(const std::array<double, 2>& added) {
 }
 
 void PulleyModel::motions(const double* block, SheaveMotion* sheaves) const noexcept {
+    const PulleyCoordinates& at = coordinates();
     const double* q = block;
-    const double* v = block + size();
+    const double* v = block + at.size();
     for (int shaft = 0; shaft < 2; ++shaft) {
         const double axis = shaft * pulley_.centre_distance;
         for (int side = 0; side < 2; ++side) {
             const double plane = (side == 0 ? -half_length_ : half_length_) + shaft * imperfection_.misalignment;
             SheaveMotion& s = sheaves[2 * shaft + side];
-            if (elastic()) {
+            if (at.elastic()) {
                 const int b = body_freedom(sheave_body(shaft, side), 0);
                 s = {axis + q[b + ux], q[b + uy],    plane + q[b + axial], q[b + tilt_x], q[b + tilt_y], v[b + ux],
                      v[b + uy],        v[b + axial], v[b + tilt_x],        v[b + tilt_y], v[b + turn]};
@@ -54,8 +69,8 @@ void PulleyModel::motions(const double* block, SheaveMotion* sheaves) const noex
                 const bool moves = sheave_body(shaft, side) == movable_body(shaft);
                 s = {axis, 0.0, plane + (moves ? q[2 + shaft] : 0.0), 0.0, 0.0, 0.0, 0.0, moves ? v[2 + shaft] : 0.0, 0.0, 0.0, v[shaft]};
             }
-            if (imperfection_.runout == 0.0 || !imperfect(shaft, side)) continue;
-            const auto [x, y] = eccentricity(q[sheave_rotation(shaft, side)]);
+            if (imperfection_.runout == 0.0 || !is_imperfect(imperfection_, shaft, side)) continue;
+            const auto [x, y] = eccentricity(q[at.sheave_rotation(shaft, side)]);
             s.x += x;
             s.y += y;
             s.vx -= y * s.spin_z;
@@ -68,35 +83,36 @@ std::array<double, 2> PulleyModel::eccentricity(double angle) const noexcept {
     return {imperfection_.runout * portable_cos(angle), imperfection_.runout * portable_sin(angle)};
 }
 
-WorkRates PulleyModel::works(const double* block, const Inputs& inputs) const noexcept {
+WorkRates input_powers(const PulleyCoordinates& at, const double* block, const Inputs& inputs) noexcept {
     const std::array<double, 2> torque = inputs.on_shafts();
-    WorkRates rates{torque[0] * shaft_speed(block, 0), torque[1] * shaft_speed(block, 1), 0.0};
-    for (int shaft = 0; shaft < 2; ++shaft) rates[2] -= movable_side(shaft) * inputs.clamping[shaft] * opening(block + size(), shaft);
+    WorkRates rates{torque[0] * at.shaft_speed(block, 0), torque[1] * at.shaft_speed(block, 1), 0.0};
+    for (int shaft = 0; shaft < 2; ++shaft) rates[2] -= movable_side(shaft) * inputs.clamping[shaft] * at.opening(block + at.size(), shaft);
     return rates;
 }
 
-WorkRates PulleyModel::work(const double* from, const double* to, const Inputs& inputs) const noexcept {
-    const auto turned = [&](int shaft) { return to[rotation(shaft)] - from[rotation(shaft)]; };
+WorkRates input_work(const PulleyCoordinates& at, const double* from, const double* to, const Inputs& inputs) noexcept {
+    const auto turned = [&](int shaft) { return to[at.rotation(shaft)] - from[at.rotation(shaft)]; };
     const std::array<double, 2> torque = inputs.on_shafts();
     WorkRates done{torque[0] * turned(0), torque[1] * turned(1), 0.0};
     for (int shaft = 0; shaft < 2; ++shaft)
-        done[2] -= movable_side(shaft) * inputs.clamping[shaft] * (opening(to, shaft) - opening(from, shaft));
+        done[2] -= movable_side(shaft) * inputs.clamping[shaft] * (at.opening(to, shaft) - at.opening(from, shaft));
     return done;
 }
 
 double PulleyModel::momentum(const double* block, int shaft) const noexcept {
-    const double* v = block + size();
-    double sum = inertia_[rotation(shaft)] * v[rotation(shaft)];
-    if (!elastic()) return sum;
+    const PulleyCoordinates& at = coordinates();
+    const double* v = block + at.size();
+    double sum = inertia_[at.rotation(shaft)] * v[at.rotation(shaft)];
+    if (!at.elastic()) return sum;
     for (int side = 0; side < 2; ++side) {
-        const int freedom = sheave_rotation(shaft, side);
+        const int freedom = at.sheave_rotation(shaft, side);
         sum += inertia_[freedom] * v[freedom];
     }
     return sum;
 }
 
 void PulleyModel::add_gyroscopic(const double* v, double* force) const noexcept {
-    if (!elastic()) return;
+    if (!coordinates().elastic()) return;
     for (int body = 0; body < 6; ++body) {
         const int b = body_freedom(body, 0);
         const double momentum = inertia_[b + turn] * v[b + turn];
@@ -106,37 +122,39 @@ void PulleyModel::add_gyroscopic(const double* v, double* force) const noexcept 
 }
 
 void PulleyModel::add_clamping(const double* block, const Inputs& inputs, double* force, Account* account) const noexcept {
+    const PulleyCoordinates& at = coordinates();
     for (int shaft = 0; shaft < 2; ++shaft) {
-        const double rate = opening(block + size(), shaft);
+        const double rate = at.opening(block + at.size(), shaft);
         const double push = -movable_side(shaft) * inputs.clamping[shaft] - pulley_.cylinder_damping * rate;
-        force[movable(shaft)] += push;
-        if (elastic()) force[body_freedom(shaft, axial)] -= push;
+        force[at.movable(shaft)] += push;
+        if (at.elastic()) force[body_freedom(shaft, axial)] -= push;
         if (account != nullptr) account->lose(Loss::cylinder, pulley_.cylinder_damping * rate * rate);
     }
 }
 
 /// Virtual work of a force on an eccentric flank, whose displacement (x, y) turns with its sheave: x F_y - y F_x on the angle.
 void PulleyModel::add_chain(const double* block, const SheaveForces& chain, double* force) const noexcept {
+    const PulleyCoordinates& at = coordinates();
     for (int shaft = 0; shaft < 2; ++shaft) {
         for (int side = 0; side < 2; ++side) {
             const auto& load = chain[2 * shaft + side];
-            if (elastic()) {
+            if (at.elastic()) {
                 for (int freedom = 0; freedom < 6; ++freedom) force[body_freedom(sheave_body(shaft, side), freedom)] += load[freedom];
             } else {
                 force[shaft] += load[turn];
                 if (sheave_body(shaft, side) == movable_body(shaft)) force[2 + shaft] += load[axial];
             }
-            if (imperfection_.runout == 0.0 || !imperfect(shaft, side)) continue;
-            const auto [x, y] = eccentricity(block[sheave_rotation(shaft, side)]);
-            force[sheave_rotation(shaft, side)] += x * load[uy] - y * load[ux];
+            if (imperfection_.runout == 0.0 || !is_imperfect(imperfection_, shaft, side)) continue;
+            const auto [x, y] = eccentricity(block[at.sheave_rotation(shaft, side)]);
+            force[at.sheave_rotation(shaft, side)] += x * load[uy] - y * load[ux];
         }
     }
 }
 
 /// [m 0 -s; 0 m c; -s c J] (u_x, u_y, φ)'' = (F_x + c φ'², F_y + s φ'², M) with (c, s) = U (cos φ, sin φ): M is solved for first.
 void PulleyModel::add_unbalance(const double* block, double* force) const noexcept {
-    const int b = imperfect_body();
-    const double mass = inertia_[b + ux], polar = inertia_[b + turn], spin = block[size() + b + turn];
+    const int b = imperfect_freedom(imperfection_);
+    const double mass = inertia_[b + ux], polar = inertia_[b + turn], spin = block[coordinates().size() + b + turn];
     const double c = imperfection_.unbalance * portable_cos(block[b + turn]), s = imperfection_.unbalance * portable_sin(block[b + turn]);
     force[b + ux] += c * spin * spin;
     force[b + uy] += s * spin * spin;
@@ -149,32 +167,33 @@ void PulleyModel::add_unbalance(const double* block, double* force) const noexce
 
 void PulleyModel::slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope,
                         Account* account) const noexcept {
-    const double* v = block + size();
-    double* force = slope + size();
-    std::copy(v, v + size(), slope);
-    std::fill(force, force + size(), 0.0);
+    const double* v = block + coordinates().size();
+    double* force = slope + coordinates().size();
+    std::copy(v, v + coordinates().size(), slope);
+    std::fill(force, force + coordinates().size(), 0.0);
     supports_.add(block, v, force, account);
     add_gyroscopic(v, force);
     add_clamping(block, inputs, force, account);
     add_chain(block, chain, force);
-    for (int shaft = 0; shaft < 2; ++shaft) force[rotation(shaft)] += inputs.on_shafts()[static_cast<std::size_t>(shaft)];
+    for (int shaft = 0; shaft < 2; ++shaft) force[coordinates().rotation(shaft)] += inputs.on_shafts()[static_cast<std::size_t>(shaft)];
     if (imperfection_.unbalance != 0.0) add_unbalance(block, force);
-    for (int k = 0; k < size(); ++k) force[k] /= inertia_[k];
+    for (int k = 0; k < coordinates().size(); ++k) force[k] /= inertia_[k];
 }
 
 void PulleyModel::account(const double* block, Account& account) const noexcept {
     std::array<double, 36> unused{};
-    supports_.add(block, block + size(), unused.data(), &account);
+    supports_.add(block, block + coordinates().size(), unused.data(), &account);
     add_clamping(block, {}, unused.data(), &account);
     account.store(Energy::kinetic, kinetic(block));
 }
 
 double PulleyModel::kinetic(const double* block) const noexcept {
+    const PulleyCoordinates& at = coordinates();
     double energy = 0.0;
-    for (int k = 0; k < size(); ++k) energy += 0.5 * inertia_[k] * block[size() + k] * block[size() + k];
+    for (int k = 0; k < at.size(); ++k) energy += 0.5 * inertia_[k] * block[at.size() + k] * block[at.size() + k];
     if (imperfection_.unbalance == 0.0) return energy;
-    const int b = imperfect_body();
-    const double *v = block + size() + b, angle = block[b + turn];
+    const int b = imperfect_freedom(imperfection_);
+    const double *v = block + at.size() + b, angle = block[b + turn];
     return energy + imperfection_.unbalance * v[turn] * (portable_cos(angle) * v[uy] - portable_sin(angle) * v[ux]);
 }
 
@@ -191,14 +210,14 @@ BearingLoad PulleyModel::held_bearing(const double* block, int shaft, const Inpu
         load.moment[1] += about_y + z * fx;
         if (sheave_body(shaft, side) != movable_body(shaft)) load.force[2] += along;
     }
-    const double rate = opening(block + size(), shaft);
+    const double rate = coordinates().opening(block + coordinates().size(), shaft);
     load.force[2] += movable_side(shaft) * inputs.clamping[shaft] + pulley_.cylinder_damping * rate;
     return load;
 }
 
 std::array<BearingLoad, 2> PulleyModel::bearings(const double* block, const Inputs& inputs, const SheaveForces& chain) const noexcept {
-    const double* v = block + size();
-    if (elastic()) return {supports_.bearing(block, v, 0), supports_.bearing(block, v, 1)};
+    const double* v = block + coordinates().size();
+    if (coordinates().elastic()) return {supports_.bearing(block, v, 0), supports_.bearing(block, v, 1)};
     return {held_bearing(block, 0, inputs, chain), held_bearing(block, 1, inputs, chain)};
 }
 
@@ -232,7 +251,7 @@ void ShaftSupports::add_bearings(const Pulley& pulley, int shaft) {
 void ShaftSupports::add_attachment(const Parameters& p, int shaft, int side) {
     using enum PulleyCoordinates::Freedom;
     const Pulley& pulley = p.pulley;
-    const bool imperfect = 2 * shaft + side == static_cast<int>(p.imperfection.sheave);
+    const bool imperfect = is_imperfect(p.imperfection, shaft, side);
     const int body = sheave_body(shaft, side);
     const double z = (side == 0 ? -0.5 : 0.5) * p.half.length;
     const auto between = [&](int freedom) { return std::array<int, 3>{body_freedom(body, freedom), body_freedom(shaft, freedom), 0}; };
@@ -243,7 +262,7 @@ void ShaftSupports::add_attachment(const Parameters& p, int shaft, int side) {
     auto radial_y = between(uy);
     radial_y[2] = body_freedom(shaft, tilt_x);
     spring(radial_y, {1.0, -1.0, z}, pulley.attachment_radial, pulley.sheave_mass);
-    if (body != PulleyCoordinates::movable_body(shaft)) spring(between(axial), difference, pulley.attachment_axial, pulley.sheave_mass);
+    if (body != movable_body(shaft)) spring(between(axial), difference, pulley.attachment_axial, pulley.sheave_mass);
     const double against_tilt = imperfect ? p.imperfection.attachment * pulley.attachment_tilt : pulley.attachment_tilt;
     spring(between(tilt_x), difference, against_tilt, pulley.sheave_tilt_inertia);
     spring(between(tilt_y), difference, against_tilt, pulley.sheave_tilt_inertia);

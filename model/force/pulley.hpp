@@ -52,21 +52,27 @@ using SheaveForces = std::array<std::array<double, 6>, 4>;
 /// Powers of the inputs [W].
 using WorkRates = std::array<double, work_kinds>;
 
-class PulleyModel : public PulleyInputs {
+/// Powers of the inputs in a state. block [unknowns of the pulleys]
+[[nodiscard]] WorkRates input_powers(const PulleyCoordinates& at, const double* block, const Inputs& inputs) noexcept;
+/// Work of constant inputs while the pulleys move from one position to another [J]. @param from, to blocks [q | v]
+[[nodiscard]] WorkRates input_work(const PulleyCoordinates& at, const double* from, const double* to, const Inputs& inputs) noexcept;
+
+class PulleyModel {
 public:
     explicit PulleyModel(const Parameters& parameters);
     /// Becomes the model of other parameters, inputs released; allocates only what does not fit into the memory it has.
     void adopt(const Parameters& parameters);
 
+    [[nodiscard]] const PulleyCoordinates& coordinates() const noexcept { return inputs_.coordinates(); }
+    [[nodiscard]] const ShaftTorques& torques() const noexcept { return inputs_.torques(); }
+    [[nodiscard]] ShaftTorques& torques() noexcept { return inputs_.torques(); }
+    [[nodiscard]] const PulleyInputs& inputs() const noexcept { return inputs_; }
     /// Whether a flank moves as its shaft turns.
     [[nodiscard]] bool eccentric() const noexcept { return imperfection_.runout != 0.0; }
     /// Positions and velocities of the four sheaves from the pulleys' block [q | v].
     void motions(const double* block, SheaveMotion* sheaves) const noexcept;
     /// Slope [v | acceleration] of the pulleys' block. Losses and energies are added to the account if there is one.
     void slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope, Account* account) const noexcept;
-    [[nodiscard]] WorkRates works(const double* block, const Inputs& inputs) const noexcept;  ///< block [unknowns of the pulleys]
-    /// Work of constant inputs while the pulleys move from one position to another [J]. @param from, to blocks [q | v]
-    [[nodiscard]] WorkRates work(const double* from, const double* to, const Inputs& inputs) const noexcept;
     /// Elastic pulleys: springs and dampers of the bearings. Rigid ones: what holds shaft and sheaves against chain and cylinder.
     /// block [unknowns of the pulleys]
     [[nodiscard]] std::array<BearingLoad, 2> bearings(const double* block, const Inputs& inputs, const SheaveForces& chain) const noexcept;
@@ -79,15 +85,10 @@ public:
     [[nodiscard]] double kinetic(const double* block) const noexcept;
 
 private:
-    /// Whether it is the sheave that imperfections name.
-    [[nodiscard]] bool imperfect(int shaft, int side) const noexcept { return 2 * shaft + side == static_cast<int>(imperfection_.sheave); }
+    using enum PulleyCoordinates::Freedom;
+
     /// Displacement of an eccentric flank, at the angle of its sheave [m].
     [[nodiscard]] std::array<double, 2> eccentricity(double angle) const noexcept;
-    /// Freedom 0 of the sheave that imperfections name, of elastic pulleys.
-    [[nodiscard]] int imperfect_body() const noexcept {
-        const int sheave = static_cast<int>(imperfection_.sheave);
-        return body_freedom(sheave_body(sheave / 2, sheave % 2), 0);
-    }
     /// Forces on the sheave with unbalance become such that the diagonal of its inertia gives its accelerations.
     void add_unbalance(const double* block, double* force) const noexcept;
     /// @param added to each shaft by drive and load [kg·m²]
@@ -100,6 +101,7 @@ private:
     /// block [unknowns of the pulleys]
     [[nodiscard]] BearingLoad held_bearing(const double* block, int shaft, const Inputs& inputs, const SheaveForces& chain) const noexcept;
 
+    PulleyInputs inputs_;
     Pulley pulley_;
     Imperfection imperfection_;
     double half_length_ = 0.0;     ///< ℓ_p/2, distance of a flank plane from the middle [m]

@@ -29,7 +29,7 @@ double driven_clamping(const Clamping& clamping, double table, double load, doub
 }
 
 void PulleyInputs::adopt(const Parameters& p) {
-    ShaftTorques::adopt(p);
+    torques_.adopt(p);
     clamping_ = p.clamping;
     control_ = p.control;
     hydraulics_.adopt(p.hydraulics);
@@ -39,10 +39,6 @@ void PulleyInputs::adopt(const Parameters& p) {
     drag_ = p.drag;
     centre_distance_ = p.pulley.centre_distance;
     wedge_ = 2.0 * portable_sin(p.tip.angle) / portable_cos(p.tip.angle);
-    add_controllers();
-}
-
-void PulleyInputs::add_controllers() {
     controllers_ = controllers(control_);
     const bool by_driving = control_.quantity == ControlledQuantity::ratio;
     governing_[0] = {control_.quantity, by_driving ? 0u : 1u, control_.proportional, control_.integral, control_.authority};
@@ -51,22 +47,24 @@ void PulleyInputs::add_controllers() {
 }
 
 double PulleyInputs::control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept {
+    const PulleyCoordinates& at = coordinates();
     if (by.quantity == ControlledQuantity::safety) {  // what is missing to the force that carries the target multiple of the load
         const double required = carrying_clamping(control_.safety.at(now), load, driven_lever(block));
         const double larger = std::max(required, built_up);
         return larger > 0.0 ? (required - built_up) / larger : 0.0;
     }
-    const double driving = shaft_speed(block, 0), driven = shaft_speed(block, 1);
+    const double driving = at.shaft_speed(block, 0), driven = at.shaft_speed(block, 1);
     if (by.quantity == ControlledQuantity::ratio) {
-        const double faster = (driving - (held().ratio ? *held().ratio : control_.ratio.at(now)) * driven) / reference_speed_;
+        const double faster = (driving - (torques_.held().ratio.value_or(control_.ratio.at(now))) * driven) / reference_speed_;
         return driving < 0.0 ? -faster : faster;
     }
-    return driving * running_radius(block, 0) != 0.0 ? position_slip(block) - control_.slip.at(now) : 0.0;
+    return driving * at.running_radius(block, 0) != 0.0 ? position_slip(block) - control_.slip.at(now) : 0.0;
 }
 
 double PulleyInputs::position_slip(const double* block) const noexcept {
-    const double geared = shaft_speed(block, 0) * running_radius(block, 0);
-    return geared != 0.0 ? 1.0 - shaft_speed(block, 1) * running_radius(block, 1) / geared : 0.0;
+    const PulleyCoordinates& at = coordinates();
+    const double geared = at.shaft_speed(block, 0) * at.running_radius(block, 0);
+    return geared != 0.0 ? 1.0 - at.shaft_speed(block, 1) * at.running_radius(block, 1) / geared : 0.0;
 }
 
 ControlInstant PulleyInputs::controlled(double t, const double* tail, const Inputs& now) const noexcept {
@@ -77,8 +75,8 @@ ControlInstant PulleyInputs::controlled(double t, const double* tail, const Inpu
         of.force[by.shaft] = now.clamping[by.shaft];
     switch (governing_[0].quantity) {
         case ControlledQuantity::ratio:
-            of.target = held().ratio ? *held().ratio : control_.ratio.at(when);
-            of.value = shaft_speed(tail, 0) / shaft_speed(tail, 1);
+            of.target = torques_.held().ratio.value_or(control_.ratio.at(when));
+            of.value = coordinates().shaft_speed(tail, 0) / coordinates().shaft_speed(tail, 1);
             break;
         case ControlledQuantity::slip: std::tie(of.target, of.value) = std::pair(control_.slip.at(when), position_slip(tail)); break;
         case ControlledQuantity::safety:
@@ -89,16 +87,18 @@ ControlInstant PulleyInputs::controlled(double t, const double* tail, const Inpu
 }
 
 CylinderMotion PulleyInputs::cylinder_motion(const double* block, int shaft) const noexcept {
+    const PulleyCoordinates& at = coordinates();
     const double side = -movable_side(shaft);
-    return {side * opening(block, shaft), side * opening(block + size(), shaft), shaft_speed(block, shaft)};
+    return {side * at.opening(block, shaft), side * at.opening(block + at.size(), shaft), at.shaft_speed(block, shaft)};
 }
 
 std::array<double, 2> PulleyInputs::given_clamping(double now, const double* tail) const noexcept {
+    const HeldInputs& held = torques_.held();
     if (hydraulics_.data().mode != HydraulicMode::pressure)
-        return {held().driving ? *held().driving : clamping_.driving.at(now), held().driven ? *held().driven : clamping_.driven.at(now)};
+        return {held.driving ? *held.driving : clamping_.driving.at(now), held.driven ? *held.driven : clamping_.driven.at(now)};
     const Hydraulics& of = hydraulics_.data();
-    const std::array<double, 2> pressure{held().driving_pressure ? *held().driving_pressure : of.driving.pressure.at(now),
-                                         held().driven_pressure ? *held().driven_pressure : of.driven.pressure.at(now)};
+    const std::array<double, 2> pressure{held.driving_pressure ? *held.driving_pressure : of.driving.pressure.at(now),
+                                         held.driven_pressure ? *held.driven_pressure : of.driven.pressure.at(now)};
     std::array<double, 2> force{};
     for (int shaft = 0; shaft < 2; ++shaft) {
         const auto k = static_cast<std::size_t>(shaft);
@@ -107,7 +107,7 @@ std::array<double, 2> PulleyInputs::given_clamping(double now, const double* tai
     return force;
 }
 
-Inputs PulleyInputs::inputs(double t, const double* tail) const noexcept {
+Inputs PulleyInputs::at(double t, const double* tail) const noexcept {
     Inputs in = requested(t, tail);
     if (hydraulics_act()) {
         const HydraulicInstant now = hydraulics_of(t, tail, in);
@@ -121,7 +121,8 @@ Inputs PulleyInputs::inputs(double t, const double* tail) const noexcept {
 /// The wedge of the flanks holds the tension F = 2 S tan β/α along a wrap α (beyond what centrifugal force takes), and both strands pull
 /// with 2 F sin(α/2): equally on both shafts, so the mean of what both forces say is the pull.
 double PulleyInputs::strand_pull(const std::array<double, 2>& clamping, const double* block) const noexcept {
-    const double rise = std::clamp((running_radius(block, 0) - running_radius(block, 1)) / centre_distance_, -1.0, 1.0);
+    const double rise =
+        std::clamp((coordinates().running_radius(block, 0) - coordinates().running_radius(block, 1)) / centre_distance_, -1.0, 1.0);
     const double lean = 2.0 * portable_asin(rise);
     const double by_wrap = clamping[0] / (std::numbers::pi + lean) + clamping[1] / (std::numbers::pi - lean);
     return wedge_ * std::sqrt(1.0 - rise * rise) * by_wrap;
@@ -133,7 +134,7 @@ std::array<double, 2> PulleyInputs::drag(double factor, const std::array<double,
     std::array<double, 2> torque{};
     for (int shaft = 0; shaft < 2; ++shaft) {
         const ShaftDrag& of = shaft == 0 ? drag_.driving : drag_.driven;
-        const double turning = shaft_speed(block, shaft);
+        const double turning = coordinates().shaft_speed(block, shaft);
         const double dry = (of.seals + loaded) * std::clamp(turning / full_drag_speed, -1.0, 1.0);
         torque[static_cast<std::size_t>(shaft)] = factor * (dry + (of.viscous + of.churning * std::abs(turning)) * turning);
     }
@@ -142,7 +143,7 @@ std::array<double, 2> PulleyInputs::drag(double factor, const std::array<double,
 
 HydraulicInstant PulleyInputs::hydraulics_of(double t, const double* tail, const Inputs& requested) const noexcept {
     const Hydraulics& of = hydraulics_.data();
-    const double pump = of.pump_ratio * std::abs(shaft_speed(tail, 0)) + of.pump_speed.at(std::max(t, 0.0));
+    const double pump = of.pump_ratio * std::abs(coordinates().shaft_speed(tail, 0)) + of.pump_speed.at(std::max(t, 0.0));
     return hydraulics_.instant(oil(tail), {cylinder_motion(tail, 0), cylinder_motion(tail, 1)}, requested.clamping, pump);
 }
 
@@ -156,17 +157,17 @@ HydraulicEnergy PulleyInputs::hydraulic_energy(const double* tail) const noexcep
 }
 
 void PulleyInputs::fill_cylinders(double t, double* tail) const noexcept {
-    if (!hydraulics_.present() || size() == 0) return;
+    if (!hydraulics_.present() || coordinates().size() == 0) return;
     const Inputs now = requested(t, tail);
-    hydraulics_.fill({cylinder_motion(tail, 0), cylinder_motion(tail, 1)}, now.clamping, tail + 2 * size() + controllers_);
+    hydraulics_.fill({cylinder_motion(tail, 0), cylinder_motion(tail, 1)}, now.clamping, tail + 2 * coordinates().size() + controllers_);
 }
 
 Inputs PulleyInputs::requested(double t, const double* tail) const noexcept {
     const double now = std::max(t, 0.0);
     const double factor = ramp(start_, t);
-    const double load = resisting_torque(t, tail);
+    const double load = torques_.resisting_torque(t, tail);
     Inputs in;
-    in.drive_torque = drive_torque(t, tail);
+    in.drive_torque = torques_.drive_torque(t, tail);
     in.load_torque = -factor * load;
     std::array<double, 2> clamping = given_clamping(now, tail);
     clamping[1] = driven_clamping(clamping_, clamping[1], load, driven_lever(tail));
@@ -174,7 +175,7 @@ Inputs PulleyInputs::requested(double t, const double* tail) const noexcept {
         const Governing& by = governing_[static_cast<std::size_t>(k)];
         const auto limited = [&](double force) { return std::clamp(force, -by.authority, by.authority); };
         double& corrected = clamping[by.shaft];
-        const double built_up = by.integral * tail[2 * size() + k];
+        const double built_up = by.integral * tail[2 * coordinates().size() + k];
         const double error = control_error(by, now, load, std::max(0.0, corrected + limited(built_up)), tail);
         const double correction = by.proportional * error + built_up;
         const bool at_limit = std::abs(correction) > by.authority;
@@ -187,7 +188,7 @@ Inputs PulleyInputs::requested(double t, const double* tail) const noexcept {
 }
 
 void ShaftTorques::adopt(const Parameters& p) {
-    PulleyCoordinates::adopt(p);
+    coordinates_.adopt(p);
     drive_ = p.drive;
     load_ = p.load;
     held_ = {};
@@ -215,8 +216,8 @@ double ShaftTorques::reference_speed(double t, int shaft) const noexcept {
 }
 
 double ShaftTorques::holding_torque(const Spring& by, double t, const double* block, int shaft) const noexcept {
-    const double angle = reference_angle(t, shaft) - block[rotation(shaft)];
-    const double speed = reference_speed(t, shaft) - shaft_speed(block, shaft);
+    const double angle = reference_angle(t, shaft) - block[coordinates_.rotation(shaft)];
+    const double speed = reference_speed(t, shaft) - coordinates_.shaft_speed(block, shaft);
     return by.stiffness * angle + by.damping * speed;
 }
 
@@ -227,7 +228,7 @@ double ShaftTorques::drive_torque(double t, const double* block) const noexcept 
 
 double ShaftTorques::resisting_torque(double t, const double* block) const noexcept {
     if (load_.mode != LoadMode::torque && held_.coupled) return -holding_torque(holder_[1], t, block, 1);
-    const double turning = shaft_speed(block, 1);
+    const double turning = coordinates_.shaft_speed(block, 1);
     return (held_.load_torque ? *held_.load_torque : load_.torque.at(std::max(t, 0.0))) + load_.linear * turning +
            load_.quadratic * turning * std::abs(turning);
 }
@@ -239,8 +240,8 @@ void ShaftTorques::couple(double t, const double* block) noexcept {
     for (int shaft = 0; shaft < 2; ++shaft) {
         const auto k = static_cast<std::size_t>(shaft);
         if (!taken_over[k]) continue;
-        const double damped = holder_[k].damping * (reference_speed(t, shaft) - shaft_speed(block, shaft));
-        const double angle = block[rotation(shaft)] + (carried[k] - damped) / holder_[k].stiffness;
+        const double damped = holder_[k].damping * (reference_speed(t, shaft) - coordinates_.shaft_speed(block, shaft));
+        const double angle = block[coordinates_.rotation(shaft)] + (carried[k] - damped) / holder_[k].stiffness;
         held_.reference[k] = {t, angle, angle};
     }
 }
@@ -253,8 +254,8 @@ CouplingState ShaftTorques::coupling(double t, const double* block, int shaft) c
     if (!coupled(shaft)) return {};
     const Spring& by = holder_[static_cast<std::size_t>(shaft)];
     CouplingState now;
-    now.twist = reference_angle(t, shaft) - block[rotation(shaft)];
-    now.rate = reference_speed(t, shaft) - shaft_speed(block, shaft);
+    now.twist = reference_angle(t, shaft) - block[coordinates_.rotation(shaft)];
+    now.rate = reference_speed(t, shaft) - coordinates_.shaft_speed(block, shaft);
     now.energy = 0.5 * by.stiffness * now.twist * now.twist;
     now.damping = by.damping;
     return now;

@@ -11,6 +11,10 @@
 
 namespace cvtflow::model {
 
+/// Movable sheave of a shaft: the one at +z on shaft 0, at -z on shaft 1; sign of its side.
+[[nodiscard]] constexpr int movable_body(int shaft) noexcept { return sheave_body(shaft, shaft == 0 ? 1 : 0); }
+[[nodiscard]] constexpr double movable_side(int shaft) noexcept { return shaft == 0 ? 1.0 : -1.0; }
+
 class PulleyCoordinates {
 public:
     /// Coordinates of a body of elastic pulleys.
@@ -29,22 +33,14 @@ public:
     [[nodiscard]] int movable(int shaft) const noexcept { return elastic() ? body_freedom(movable_body(shaft), axial) : 2 + shaft; }
     /// Speed of shaft 0 or 1. block [unknowns of the pulleys]
     [[nodiscard]] double shaft_speed(const double* block, int shaft) const noexcept { return block[size_ + rotation(shaft)]; }
-    /// Axial position of a shaft's movable sheave relative to the shaft. block [unknowns of the pulleys]
-    [[nodiscard]] double clamped_position(const double* block, int shaft) const noexcept { return opening(block, shaft); }
-    /// Running radius by the position of the movable sheave, as a transmission measures it: straight flanks, stiff sheaves [m].
-    [[nodiscard]] double running_radius(const double* block, int shaft) const noexcept {
-        return arc_position_ - narrowing_ * movable_side(shaft) * opening(block, shaft);
-    }
-
-    /// Side that moves: +z on the driving shaft, -z on the driven one; its sign.
-    [[nodiscard]] static int movable_body(int shaft) noexcept { return sheave_body(shaft, shaft == 0 ? 1 : 0); }
-    [[nodiscard]] static double movable_side(int shaft) noexcept { return shaft == 0 ? 1.0 : -1.0; }
-
-protected:
     /// w of the movable sheave relative to its shaft, of positions or velocities.
     [[nodiscard]] double opening(const double* coordinates, int shaft) const noexcept {
         const double moved = coordinates[movable(shaft)];
         return elastic() ? moved - coordinates[body_freedom(shaft, axial)] : moved;
+    }
+    /// Running radius by the position of the movable sheave, as a transmission measures it: straight flanks, stiff sheaves [m].
+    [[nodiscard]] double running_radius(const double* block, int shaft) const noexcept {
+        return arc_position_ - narrowing_ * movable_side(shaft) * opening(block, shaft);
     }
 
 private:
@@ -84,10 +80,11 @@ struct HeldInputs {
     bool operator==(const HeldInputs&) const = default;
 };
 
-class ShaftTorques : public PulleyCoordinates {
+class ShaftTorques {
 public:
     /// Becomes the torques of other parameters, inputs released; allocates only what does not fit into the memory it has.
     void adopt(const Parameters& parameters);
+    [[nodiscard]] const PulleyCoordinates& coordinates() const noexcept { return coordinates_; }
 
     /// Puts values in place of tables; between steps only.
     void hold(const HeldInputs& held) noexcept { held_ = held; }
@@ -101,8 +98,6 @@ public:
     /// Whether a coupling acts on shaft 0 or 1; its state, zero where none does. t [s], block [unknowns of the pulleys]
     [[nodiscard]] bool coupled(int shaft) const noexcept;
     [[nodiscard]] CouplingState coupling(double t, const double* block, int shaft) const noexcept;
-
-protected:
     [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;      ///< t [s], block [unknowns of the pulleys]
     [[nodiscard]] double resisting_torque(double t, const double* block) const noexcept;  ///< against shaft 2 [N·m]
 
@@ -114,6 +109,7 @@ private:
         return shaft == 0 ? held_.drive_speed : held_.load_speed;
     }
 
+    PulleyCoordinates coordinates_;
     Drive drive_;
     Load load_;
     HeldInputs held_;
@@ -153,21 +149,24 @@ struct ControlInstant {
 /// table [N], load and lever as carrying_clamping()
 [[nodiscard]] double driven_clamping(const Clamping& clamping, double table, double load, double lever) noexcept;
 
-class PulleyInputs : public ShaftTorques {
+class PulleyInputs {
 public:
     /// Becomes the inputs of other parameters, none held; allocates only what does not fit into the memory it has.
     void adopt(const Parameters& parameters);
+    [[nodiscard]] const ShaftTorques& torques() const noexcept { return torques_; }
+    [[nodiscard]] ShaftTorques& torques() noexcept { return torques_; }
+    [[nodiscard]] const PulleyCoordinates& coordinates() const noexcept { return torques_.coordinates(); }
 
     /// Inputs at time t. t [s], tail [unknowns of the pulleys, and behind them integrals I of controllers [s] and the hydraulics', if there
     /// are any]
-    [[nodiscard]] Inputs inputs(double t, const double* tail) const noexcept;
-    /// Target and present value of the ratio, of the slip by the sheaves' positions, or of the safety factor. t [s], tail as inputs()
+    [[nodiscard]] Inputs at(double t, const double* tail) const noexcept;
+    /// Target and present value of the ratio, of the slip by the sheaves' positions, or of the safety factor. t [s], tail as at()
     [[nodiscard]] ControlInstant controlled(double t, const double* tail, const Inputs& now) const noexcept;
-    /// Oil with which cylinders have the clamping forces that act at this instant; call it before couple(). t [s], tail as inputs()
+    /// Oil with which cylinders have the clamping forces that act at this instant; call it before couple(). t [s], tail as at()
     void fill_cylinders(double t, double* tail) const noexcept;
-    /// Hydraulics at one instant, and their energies so far; zero without any or before they act. t [s], tail as inputs()
+    /// Hydraulics at one instant, and their energies so far; zero without any or before they act. t [s], tail as at()
     [[nodiscard]] HydraulicInstant hydraulics(double t, const double* tail) const noexcept;
-    [[nodiscard]] HydraulicEnergy hydraulic_energy(const double* tail) const noexcept;  ///< tail as inputs()
+    [[nodiscard]] HydraulicEnergy hydraulic_energy(const double* tail) const noexcept;  ///< tail as at()
 
 private:
     /// One of the machine's controllers: what it holds, by which clamping force, and its gains.
@@ -176,25 +175,27 @@ private:
         std::size_t shaft = 0;
         double proportional = 0.0, integral = 0.0, authority = 0.0;  ///< [N, N/s, N]
     };
-    void add_controllers();
     /// Error of what a controller holds [1]; `built_up` is the force of its shaft without its proportional part [N].
     [[nodiscard]] double control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept;
     /// Torque that shaft 2 can carry per clamping force [m]. block [unknowns of the pulleys]
-    [[nodiscard]] double driven_lever(const double* block) const noexcept { return grip_ * running_radius(block, 1); }
+    [[nodiscard]] double driven_lever(const double* block) const noexcept { return grip_ * coordinates().running_radius(block, 1); }
     /// Slip by the running radii; 0 where shaft 1 stands [1]. block [unknowns of the pulleys]
     [[nodiscard]] double position_slip(const double* block) const noexcept;
     /// Clamping forces before limits and controllers: of the tables or a host; by pressures where these are requested. now ≥ 0 [s]
-    [[nodiscard]] std::array<double, 2> given_clamping(double now, const double* tail) const noexcept;  ///< tail as inputs()
+    [[nodiscard]] std::array<double, 2> given_clamping(double now, const double* tail) const noexcept;  ///< tail as at()
     /// Drag of seals, bearings and oil [N·m]. factor: ramp(t) [1], clamping [N], block [unknowns of the pulleys]
     [[nodiscard]] std::array<double, 2> drag(double factor, const std::array<double, 2>& clamping, const double* block) const noexcept;
     /// Pull of both strands on each shaft's bearings, by the tension that the clamping forces make [N]. block [unknowns of the pulleys]
     [[nodiscard]] double strand_pull(const std::array<double, 2>& clamping, const double* block) const noexcept;
-    [[nodiscard]] Inputs requested(double t, const double* tail) const noexcept;  ///< as inputs(), before hydraulics
-    [[nodiscard]] bool hydraulics_act() const noexcept { return hydraulics_.present() && held().coupled && size() != 0; }
+    [[nodiscard]] Inputs requested(double t, const double* tail) const noexcept;  ///< as at(), before hydraulics
+    [[nodiscard]] bool hydraulics_act() const noexcept {
+        return hydraulics_.present() && torques_.held().coupled && coordinates().size() != 0;
+    }
     [[nodiscard]] HydraulicInstant hydraulics_of(double t, const double* tail, const Inputs& requested) const noexcept;
-    [[nodiscard]] const double* oil(const double* tail) const noexcept { return tail + 2 * size() + controllers_; }
+    [[nodiscard]] const double* oil(const double* tail) const noexcept { return tail + 2 * coordinates().size() + controllers_; }
     [[nodiscard]] CylinderMotion cylinder_motion(const double* block, int shaft) const noexcept;  ///< block [unknowns of the pulleys]
 
+    ShaftTorques torques_;
     Clamping clamping_;
     Control control_;
     int controllers_ = 0;

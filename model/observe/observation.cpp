@@ -201,7 +201,7 @@ const ForceObservation& Observer::forces() {
     if (variator_.layout().pulley_size != 0) {
         const PulleyModel& pulleys = variator_.pulleys();
         pulleys.motions(pulleys_, scratch_.sheaves);
-        const Inputs inputs = pulleys.inputs(observation_.time, pulleys_);
+        const Inputs inputs = pulleys.inputs().at(observation_.time, pulleys_);
         forces_.bearing = pulleys.bearings(pulleys_, inputs, sheave_forces_);
         const SheaveMotion* s = scratch_.sheaves;
         forces_.misalignment = 0.5 * (s[0].z + s[1].z) - 0.5 * (s[2].z + s[3].z);
@@ -220,20 +220,20 @@ const Observation& Observer::observe_shafts(double t, const double* behind) noex
 void Observer::read_shafts(const double* behind) noexcept {
     const PulleyModel& pulleys = variator_.pulleys();
     Observation& o = observation_;
-    const Inputs inputs = pulleys.inputs(o.time, behind);
-    o.work = pulleys.works(behind, inputs);
+    const Inputs inputs = pulleys.inputs().at(o.time, behind);
+    o.work = input_powers(pulleys.coordinates(), behind, inputs);
     o.torque = {inputs.drive_torque, inputs.load_torque};
     o.drag = inputs.drag;
     o.clamping = inputs.clamping;
-    o.hydraulics = pulleys.hydraulics(o.time, behind);
-    o.hydraulic_energy = pulleys.hydraulic_energy(behind);
+    o.hydraulics = pulleys.inputs().hydraulics(o.time, behind);
+    o.hydraulic_energy = pulleys.inputs().hydraulic_energy(behind);
     o.control_limited = inputs.control_limited;
-    o.control = pulleys.controlled(o.time, behind, inputs);
+    o.control = pulleys.inputs().controlled(o.time, behind, inputs);
     for (int shaft = 0; shaft < 2; ++shaft) {
         const std::size_t k = index_of(shaft);
-        o.speed[k] = pulleys.shaft_speed(behind, shaft);
-        o.angle[k] = behind[pulleys.rotation(shaft)];
-        o.sheave_position[k] = pulleys.clamped_position(behind, shaft);
+        o.speed[k] = pulleys.coordinates().shaft_speed(behind, shaft);
+        o.angle[k] = behind[pulleys.coordinates().rotation(shaft)];
+        o.sheave_position[k] = pulleys.coordinates().opening(behind, shaft);
     }
     o.ratio = o.speed[0] / o.speed[1];
 }

@@ -83,7 +83,8 @@ public:
             probe();
             for (int shaft = 0; shaft < 2; ++shaft) {
                 const double overlap = deepest(shaft, shaft == 0 ? 1 : 0);
-                state_[static_cast<std::size_t>(model_.layout().pulley_begin() + pulleys_.movable(shaft))] -= fixed_sign(shaft) * overlap;
+                state_[static_cast<std::size_t>(model_.layout().pulley_begin() + pulleys_.coordinates().movable(shaft))] -=
+                    fixed_sign(shaft) * overlap;
             }
         }
         return shift_[1] - shift_[0];
@@ -156,7 +157,7 @@ void spin_shafts(const Parameters& p, const ChainLayout& at, const double* turni
     };
     for (int shaft = 0; shaft < 2; ++shaft) {
         const double rate = turning[shaft];
-        turn(pulleys.rotation(shaft), rate);
+        turn(pulleys.coordinates().rotation(shaft), rate);
         if (at.pulley_size != 36) continue;
         for (int side = 0; side < 2; ++side) turn(body_freedom(sheave_body(shaft, side), 5), rate);
     }

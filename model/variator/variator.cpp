@@ -88,10 +88,10 @@ void Variator::close(double t, const double* tail, const SheaveForces& chain, co
     Account total;
     WorkRates works{};
     if (at.pulley_size != 0) {
-        const Inputs inputs = pulleys_.inputs(t, tail);
+        const Inputs inputs = pulleys_.inputs().at(t, tail);
         pulleys_.slope(tail, inputs, chain, tail_slope, at.ledger ? &total : nullptr);
         std::copy_n(inputs.control_rate.begin(), at.controls, tail_slope + 2 * at.pulley_size);
-        works = pulleys_.works(tail, inputs);
+        works = input_powers(pulleys_.coordinates(), tail, inputs);
     }
     if (!at.ledger) return;
     for (int part = 0; part < account_parts * at.links; ++part) {

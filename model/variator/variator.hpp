@@ -46,11 +46,11 @@ public:
     [[nodiscard]] const PulleyModel& pulleys() const noexcept { return pulleys_; }
 
     /// Puts values in place of the inputs' tables; between steps only.
-    void hold(const HeldInputs& held) noexcept { pulleys_.hold(held); }
+    void hold(const HeldInputs& held) noexcept { pulleys_.torques().hold(held); }
     /// ChainModel::warm(). temperature [K]
     void warm(const Parameters& parameters, double temperature) noexcept { chain_.warm(parameters, temperature); }
-    /// Couplings and hydraulics take over (PulleyModel::couple). t [s], tail [unknowns behind the links]
-    void couple(double t, const double* tail) noexcept { pulleys_.couple(t, tail); }
+    /// Couplings and hydraulics take over (ShaftTorques::couple). t [s], tail [unknowns behind the links]
+    void couple(double t, const double* tail) noexcept { pulleys_.torques().couple(t, tail); }
 
     /// Groups of links whose reactions are summed first, so that sums do not depend on segments.
     [[nodiscard]] int sums() const noexcept { return (layout().links + links_per_sum - 1) / links_per_sum; }

@@ -149,7 +149,7 @@ using Temperature = double (model::HeatBalance::*)() const noexcept;
 double heat(const Instant& now, Temperature member) { return (now.workspace.heat.*member)(); }
 
 [[nodiscard]] model::CouplingState coupling(const Instant& now, int shaft) {
-    return now.workspace.variator.pulleys().coupling(now.observation.time, now.workspace.tail(), shaft);
+    return now.workspace.variator.pulleys().torques().coupling(now.observation.time, now.workspace.tail(), shaft);
 }
 
 double twist(const Instant& now, int shaft) { return coupling(now, shaft).twist; }

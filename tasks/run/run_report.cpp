@@ -18,8 +18,8 @@ std::vector<CouplingReport> couplings_of(const Simulation& simulation) {
     const model::PulleyModel& pulleys = w.variator.pulleys();
     const CouplingSums& energy = w.energy.input_works().couplings;
     for (const int shaft : {0, 1}) {
-        if (!pulleys.coupled(shaft)) continue;
-        const auto now = pulleys.coupling(simulation.time(), w.state() + w.layout().pulley_begin(), shaft);
+        if (!pulleys.torques().coupled(shaft)) continue;
+        const auto now = pulleys.torques().coupling(simulation.time(), w.state() + w.layout().pulley_begin(), shaft);
         const auto k = static_cast<std::size_t>(shaft);
         found.push_back({shaft, now.twist, now.energy, energy.work[k], energy.dissipated[k]});
     }

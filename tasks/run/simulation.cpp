@@ -28,15 +28,15 @@ constexpr double shortest_budget = 1e-9;
 void couple(Workspace& w, double time, std::vector<double>& couplings) {
     if (w.layout().pulley_size == 0) return;
     double* const tail = w.state_to_set() + w.layout().pulley_begin();
-    w.variator.pulleys().fill_cylinders(time, tail);
+    w.variator.pulleys().inputs().fill_cylinders(time, tail);
     w.variator.couple(time, tail);
-    for (const model::ReferenceAngle& from : w.variator.pulleys().held().reference)
+    for (const model::ReferenceAngle& from : w.variator.pulleys().torques().held().reference)
         couplings.insert(couplings.end(), {from.since, from.angle, from.zero});
 }
 
 /// @param numbers IntegrationState::couplings [none or 6]
 void restore_couplings(model::Variator& variator, std::span<const double> numbers) {
-    model::HeldInputs held = variator.pulleys().held();
+    model::HeldInputs held = variator.pulleys().torques().held();
     held.coupled = !numbers.empty();
     for (model::ReferenceAngle& reference : held.reference) {
         reference = {};
@@ -180,7 +180,8 @@ void RunPart::move_offset() {
     const model::ChainLayout& at = workspace_.layout();
     const model::Control& control = scene_.parameters.control;
     const double* tail = workspace_.state() + at.pulley_begin();
-    const double corrected = workspace_.variator.pulleys().inputs(time_, tail).clamping[0] - scene_.parameters.clamping.driving.at(time_);
+    const double corrected =
+        workspace_.variator.pulleys().inputs().at(time_, tail).clamping[0] - scene_.parameters.clamping.driving.at(time_);
     workspace_.state_to_set()[at.control_begin()] = std::clamp(corrected, -control.authority, control.authority) / control.integral;
 }
 

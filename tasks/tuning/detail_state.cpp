@@ -59,13 +59,13 @@ void copy_pulleys(const ChainLayout& from, const double* source, const ChainLayo
     } else if (from.pulley_size == 36 && to.pulley_size == 4) {
         for (int shaft = 0; shaft < 2; ++shaft) {
             target[shaft] = source[body_freedom(shaft, At::turn)];
-            target[2 + shaft] = source[body_freedom(At::movable_body(shaft), At::axial)] - source[body_freedom(shaft, At::axial)];
+            target[2 + shaft] = source[body_freedom(model::movable_body(shaft), At::axial)] - source[body_freedom(shaft, At::axial)];
         }
     } else if (from.pulley_size == 4 && to.pulley_size == 36) {
         for (int shaft = 0; shaft < 2; ++shaft) {
             for (const int body : {shaft, model::sheave_body(shaft, 0), model::sheave_body(shaft, 1)})
                 target[body_freedom(body, At::turn)] = source[shaft];
-            target[body_freedom(At::movable_body(shaft), At::axial)] = source[2 + shaft];
+            target[body_freedom(model::movable_body(shaft), At::axial)] = source[2 + shaft];
         }
     }
 }

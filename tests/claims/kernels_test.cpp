@@ -129,7 +129,7 @@ TEST_P(ElasticForces, OnPulleysAreMinusTheGradientPlusInputs) {
     const model::ChainLayout& at = gradient.variator().layout();
     const model::PulleyModel& pulleys = gradient.variator().pulleys();
     const double* block = gradient.state().data() + at.pulley_begin();
-    const model::Inputs inputs = pulleys.inputs(0.0, block);
+    const model::Inputs inputs = pulleys.inputs().at(0.0, block);
     std::vector<double> other(static_cast<std::size_t>(2 * at.pulley_size));  // what inputs and gyroscopic moments do alone, from rest
     std::vector<double> straight(block, block + 2 * at.pulley_size);
     std::fill_n(straight.begin(), at.pulley_size, 0.0);

@@ -154,7 +154,7 @@ void ExactJacobian::own_corner(double t, const double* state, AccelerationJacobi
     const int half = at.pulley_size, border = out.border();
     const double* tail = state + at.pulley_begin();
     const auto rates = [&](std::vector<double>& slope) {
-        const Inputs inputs = variator_.pulleys().inputs(t, tail_.data());
+        const Inputs inputs = variator_.pulleys().inputs().at(t, tail_.data());
         variator_.pulleys().slope(tail_.data(), inputs, SheaveForces{}, slope.data(), nullptr);
         std::copy_n(inputs.control_rate.begin(), at.controls, slope.begin() + 2 * at.pulley_size);
     };

@@ -102,7 +102,7 @@ struct Derivatives {
         friction->saturation_speed *= speed;
     }
     model::Variator other(parameters);
-    other.hold(variator.pulleys().held());
+    other.hold(variator.pulleys().torques().held());
     return derivatives_of(other, start);
 }
 

@@ -19,7 +19,7 @@ namespace {
 struct Sheave {
     explicit Sheave(const Simulation& simulation, int shaft) {
         const model::ChainLayout& at = simulation.workspace().layout();
-        position = static_cast<std::size_t>(at.pulley_begin() + simulation.workspace().variator.pulleys().movable(shaft));
+        position = static_cast<std::size_t>(at.pulley_begin() + simulation.workspace().variator.pulleys().coordinates().movable(shaft));
         velocity = position + static_cast<std::size_t>(at.pulley_size);
         outwards = shaft == 0 ? 1.0 : -1.0;
     }

@@ -204,8 +204,8 @@ void put_denormals(const Simulation&, double, IntegrationState& start) {
 void put_late(const Simulation& simulation, double, IntegrationState& start) {
     const model::PulleyModel& pulleys = simulation.workspace().variator.pulleys();
     const std::size_t begin = static_cast<std::size_t>(simulation.workspace().layout().pulley_begin());
-    const double turned = pulleys.reference_angle(1e4, 0);
-    if (pulleys.size() == 36) {
+    const double turned = pulleys.torques().reference_angle(1e4, 0);
+    if (pulleys.coordinates().size() == 36) {
         for (const int body : {0, model::sheave_body(0, 0), model::sheave_body(0, 1)})
             start.state[begin + static_cast<std::size_t>(model::body_freedom(body, 5))] += turned;
     } else {

@@ -251,7 +251,7 @@ void RigidPulleys::start(double time) noexcept {
 void RigidPulleys::evaluate(double time) noexcept {
     if (absent_) return;
     const model::PulleyModel& pulleys = variator_.pulleys();
-    inputs_ = pulleys.inputs(time, s_.tail.data());
+    inputs_ = pulleys.inputs().at(time, s_.tail.data());
     pulleys.slope(s_.tail.data(), inputs_, s_.forces.reaction.sheaves, s_.tail_slope.data(), &s_.forces.account);
     std::copy_n(inputs_.control_rate.begin(), variator_.layout().controls, s_.tail_slope.begin() + 2 * variator_.layout().pulley_size);
 }
@@ -261,8 +261,9 @@ model::WorkRates RigidPulleys::kick(double time, double step) noexcept {
     const std::array<double, 2> rates = coupling_rates(time);
     const auto speeds = [this] {
         const model::PulleyModel& pulleys = variator_.pulleys();
-        return absent_ ? std::array<double, 2>{}
-                       : std::array{pulleys.shaft_speed(s_.tail.data(), 0), pulleys.shaft_speed(s_.tail.data(), 1)};
+        return absent_
+                   ? std::array<double, 2>{}
+                   : std::array{pulleys.coordinates().shaft_speed(s_.tail.data(), 0), pulleys.coordinates().shaft_speed(s_.tail.data(), 1)};
     };
     model::WorkRates power = works();
     const std::array<double, 2> turning = speeds();
@@ -288,7 +289,7 @@ std::array<double, 2> RigidPulleys::coupling_rates(double time) const noexcept {
     std::array<double, 2> rates{};
     for (std::size_t k = 0; k < 2 && !absent_; ++k) {
         const int shaft = static_cast<int>(k);
-        if (pulleys.coupled(shaft)) rates[k] = pulleys.coupling(time, s_.tail.data(), shaft).rate;
+        if (pulleys.torques().coupled(shaft)) rates[k] = pulleys.torques().coupling(time, s_.tail.data(), shaft).rate;
     }
     return rates;
 }
@@ -298,9 +299,9 @@ void RigidPulleys::couple(double time, const std::array<double, 2>& rates) noexc
     far_power_ = twist_power_ = {};
     for (std::size_t k = 0; k < 2 && !absent_; ++k) {
         const int shaft = static_cast<int>(k);
-        if (!pulleys.coupled(shaft)) continue;
-        const model::CouplingState now = pulleys.coupling(time, s_.tail.data(), shaft);
-        far_power_[k] = torque()[k] * pulleys.reference_speed(time, shaft);
+        if (!pulleys.torques().coupled(shaft)) continue;
+        const model::CouplingState now = pulleys.torques().coupling(time, s_.tail.data(), shaft);
+        far_power_[k] = torque()[k] * pulleys.torques().reference_speed(time, shaft);
         twist_power_[k] = now.damping * rates[k] * 0.5 * (rates[k] + now.rate);  // the damper's torque is of the velocities before
     }
 }
@@ -308,7 +309,7 @@ void RigidPulleys::couple(double time, const std::array<double, 2>& rates) noexc
 double RigidPulleys::kinetic_now() const noexcept { return absent_ ? 0.0 : variator_.pulleys().kinetic(s_.tail.data()); }
 
 model::WorkRates RigidPulleys::works() const noexcept {
-    return absent_ ? model::WorkRates{} : variator_.pulleys().works(s_.tail.data(), inputs_);
+    return absent_ ? model::WorkRates{} : model::input_powers(variator_.pulleys().coordinates(), s_.tail.data(), inputs_);
 }
 
 }  // namespace cvtflow::tasks

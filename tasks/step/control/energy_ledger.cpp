@@ -76,7 +76,7 @@ void EnergyLedger::step(const model::Variator& variator, double begin, const dou
     }
     if (at.pulley_size == 0 || !on_) return;
     const model::PulleyModel& pulleys = variator.pulleys();
-    const auto inputs = [&](double t, const double* tail) { return pulleys.inputs(t, tail); };
+    const auto inputs = [&](double t, const double* tail) { return pulleys.inputs().at(t, tail); };
     if (!known_) inputs_ = inputs(begin, from);
     const model::Inputs after = inputs(end, to);
     const model::Inputs mean = mean_of(inputs_, after);
@@ -89,17 +89,18 @@ void EnergyLedger::step(const model::Variator& variator, double begin, const dou
 /// stored, the second one lost.
 void InputWorks::add(const model::PulleyModel& pulleys, double begin, const double* from, double end, const double* to,
                      const model::Inputs& mean) noexcept {
-    const model::WorkRates done = pulleys.work(from, to, mean);
+    const model::WorkRates done = model::input_work(pulleys.coordinates(), from, to, mean);
     for (std::size_t k = 0; k < done.size(); ++k) work[k] += done[k];
     const std::array<double, 2> torque{mean.drive_torque, mean.load_torque};
     for (int shaft = 0; shaft < 2; ++shaft) {
         const auto k = static_cast<std::size_t>(shaft);
         impulse[k] += (end - begin) * torque[k];
         drag.impulse[k] += (end - begin) * mean.drag[k];
-        drag.energy[k] += mean.drag[k] * (to[pulleys.rotation(shaft)] - from[pulleys.rotation(shaft)]);
-        if (!pulleys.coupled(shaft)) continue;
-        const model::CouplingState before = pulleys.coupling(begin, from, shaft), after = pulleys.coupling(end, to, shaft);
-        couplings.work[k] += torque[k] * (pulleys.reference_angle(end, shaft) - pulleys.reference_angle(begin, shaft));
+        drag.energy[k] += mean.drag[k] * (to[pulleys.coordinates().rotation(shaft)] - from[pulleys.coordinates().rotation(shaft)]);
+        if (!pulleys.torques().coupled(shaft)) continue;
+        const model::CouplingState before = pulleys.torques().coupling(begin, from, shaft),
+                                   after = pulleys.torques().coupling(end, to, shaft);
+        couplings.work[k] += torque[k] * (pulleys.torques().reference_angle(end, shaft) - pulleys.torques().reference_angle(begin, shaft));
         couplings.dissipated[k] += 0.5 * after.damping * (before.rate + after.rate) * (after.twist - before.twist);
     }
 }

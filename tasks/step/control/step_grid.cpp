@@ -86,7 +86,7 @@ double next_input_point(const model::Parameters& p, const model::HeldInputs& hel
 double next_step_end(Workspace& w, const StepGrid& grid) noexcept {
     if (w.layout().pulley_size == 0) return grid.next();
     const double now = w.step.time, tolerance = input_point_tolerance * grid.step;
-    const auto after = [&](double t) { return next_input_point(w.parameters, w.variator.pulleys().held(), t); };
+    const auto after = [&](double t) { return next_input_point(w.parameters, w.variator.pulleys().torques().held(), t); };
     if (after(now - tolerance) <= now + tolerance) w.energy.inputs_changed(now, true);
     const double point = after(now + tolerance);
     return point < grid.next() - tolerance ? point : grid.next();

@@ -13,11 +13,11 @@ namespace {
 
 /// Shafts that turn at 200 and 180 rad/s and stand at 3 and 2 rad.
 std::vector<double> coupled_pulleys(const PulleyModel& pulleys) {
-    std::vector<double> block(static_cast<std::size_t>(2 * pulleys.size()));
+    std::vector<double> block(static_cast<std::size_t>(2 * pulleys.coordinates().size()));
     const double speed[] = {200.0, 180.0}, angle[] = {3.0, 2.0};
     for (int shaft = 0; shaft < 2; ++shaft) {
-        block[static_cast<std::size_t>(pulleys.rotation(shaft))] = angle[shaft];
-        block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(shaft))] = speed[shaft];
+        block[static_cast<std::size_t>(pulleys.coordinates().rotation(shaft))] = angle[shaft];
+        block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(shaft))] = speed[shaft];
     }
     return block;
 }
@@ -41,10 +41,10 @@ TEST(Couplings, TakeOverWithoutAJumpOfTheTorque) {
         p.load.mode = mode;
         PulleyModel pulleys(p);
         const auto block = coupled_pulleys(pulleys);
-        const Inputs before = pulleys.inputs(0.0, block.data());
+        const Inputs before = pulleys.inputs().at(0.0, block.data());
         EXPECT_NEAR(before.load_torque, -78.0, 1e-12) << "until then load.torque acts";
-        pulleys.couple(0.0, block.data());
-        const Inputs after = pulleys.inputs(0.0, block.data());  // angles of 1 rad times stiffnesses of up to 1e5 N·m/rad, rounded
+        pulleys.torques().couple(0.0, block.data());
+        const Inputs after = pulleys.inputs().at(0.0, block.data());  // angles of 1 rad times stiffnesses of up to 1e5 N·m/rad, rounded
         EXPECT_NEAR(after.drive_torque, before.drive_torque, 1e-9);
         EXPECT_NEAR(after.load_torque, before.load_torque, 1e-9);
         EXPECT_EQ(after.clamping, before.clamping);
@@ -54,14 +54,15 @@ TEST(Couplings, TakeOverWithoutAJumpOfTheTorque) {
 TEST(Couplings, ActBySpringAndDamper) {
     PulleyModel pulleys(coupled());
     auto block = coupled_pulleys(pulleys);
-    pulleys.couple(0.0, block.data());
-    const double carried = pulleys.inputs(0.0, block.data()).load_torque, twist = pulleys.coupling(0.0, block.data(), 1).twist;
-    block[static_cast<std::size_t>(pulleys.rotation(1))] += 0.01;
-    block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(1))] += 5.0;
-    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).load_torque, carried - 400.0 * 0.01 - 2.0 * 5.0, 1e-9);
-    const double later = pulleys.inputs(1e-3, block.data()).load_torque;  // the far end has turned on
+    pulleys.torques().couple(0.0, block.data());
+    const double carried = pulleys.inputs().at(0.0, block.data()).load_torque,
+                 twist = pulleys.torques().coupling(0.0, block.data(), 1).twist;
+    block[static_cast<std::size_t>(pulleys.coordinates().rotation(1))] += 0.01;
+    block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(1))] += 5.0;
+    EXPECT_NEAR(pulleys.inputs().at(0.0, block.data()).load_torque, carried - 400.0 * 0.01 - 2.0 * 5.0, 1e-9);
+    const double later = pulleys.inputs().at(1e-3, block.data()).load_torque;  // the far end has turned on
     EXPECT_NEAR(later, carried - 400.0 * 0.01 - 2.0 * 5.0 + 400.0 * 0.179, 1e-9);
-    const CouplingState now = pulleys.coupling(0.0, block.data(), 1);
+    const CouplingState now = pulleys.torques().coupling(0.0, block.data(), 1);
     EXPECT_NEAR(now.twist, twist - 0.01, 1e-12);
     EXPECT_NEAR(now.rate, 179.0 - 185.0, 1e-12);
     EXPECT_NEAR(now.energy, 200.0 * now.twist * now.twist, 1e-12);
@@ -70,16 +71,16 @@ TEST(Couplings, ActBySpringAndDamper) {
 TEST(Couplings, FarEndsTurnOnFromWhereTheyAreWhenAHostSetsTheirSpeed) {
     PulleyModel pulleys(coupled());
     const auto block = coupled_pulleys(pulleys);
-    pulleys.couple(0.0, block.data());
-    HeldInputs held = pulleys.held();
-    held.reference[1].angle = pulleys.reference_angle(2e-3, 1);
+    pulleys.torques().couple(0.0, block.data());
+    HeldInputs held = pulleys.torques().held();
+    held.reference[1].angle = pulleys.torques().reference_angle(2e-3, 1);
     held.reference[1].since = 2e-3;
     held.load_speed = 150.0;
-    const double before = pulleys.reference_angle(2e-3, 1);
-    pulleys.hold(held);
-    EXPECT_EQ(pulleys.reference_angle(2e-3, 1), before);
-    EXPECT_NEAR(pulleys.reference_angle(3e-3, 1), before + 0.15, 1e-12);
-    EXPECT_EQ(pulleys.reference_speed(3e-3, 1), 150.0);
+    const double before = pulleys.torques().reference_angle(2e-3, 1);
+    pulleys.torques().hold(held);
+    EXPECT_EQ(pulleys.torques().reference_angle(2e-3, 1), before);
+    EXPECT_NEAR(pulleys.torques().reference_angle(3e-3, 1), before + 0.15, 1e-12);
+    EXPECT_EQ(pulleys.torques().reference_speed(3e-3, 1), 150.0);
 }
 
 TEST(Couplings, ModeSpeedHoldsShaftTwoByAGovernorOfItsOwnInertia) {
@@ -89,13 +90,13 @@ TEST(Couplings, ModeSpeedHoldsShaftTwoByAGovernorOfItsOwnInertia) {
     p.load.governor_frequency = 50.0;
     PulleyModel pulleys(p);
     auto block = coupled_pulleys(pulleys);
-    pulleys.couple(0.0, block.data());
-    const double before = pulleys.inputs(0.0, block.data()).load_torque;
-    block[static_cast<std::size_t>(pulleys.rotation(1))] += 1e-4;
+    pulleys.torques().couple(0.0, block.data());
+    const double before = pulleys.inputs().at(0.0, block.data()).load_torque;
+    block[static_cast<std::size_t>(pulleys.coordinates().rotation(1))] += 1e-4;
     const double polar = p.pulley.shaft_polar_inertia + 2.0 * p.pulley.sheave_polar_inertia + 0.3, omega = 2.0 * std::numbers::pi * 50.0;
-    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).load_torque, before - 1e-4 * polar * omega * omega, 1e-8);
-    EXPECT_FALSE(pulleys.coupled(1)) << "a governor stores nothing";
-    EXPECT_TRUE(pulleys.coupled(0));
+    EXPECT_NEAR(pulleys.inputs().at(0.0, block.data()).load_torque, before - 1e-4 * polar * omega * omega, 1e-8);
+    EXPECT_FALSE(pulleys.torques().coupled(1)) << "a governor stores nothing";
+    EXPECT_TRUE(pulleys.torques().coupled(0));
 }
 
 /// The torque of the safety factor and of clamping by torque is the one that acts.
@@ -105,10 +106,10 @@ TEST(Couplings, ClampingByTorqueFollowsTheTorqueOfTheCoupling) {
     p.clamping.driven = TimeTable(0.0);
     PulleyModel pulleys(p);
     auto block = coupled_pulleys(pulleys);
-    pulleys.couple(0.0, block.data());
-    const Inputs before = pulleys.inputs(0.0, block.data());
-    block[static_cast<std::size_t>(pulleys.rotation(1))] += 78.0 / 400.0;  // twice the torque
-    const Inputs after = pulleys.inputs(0.0, block.data());
+    pulleys.torques().couple(0.0, block.data());
+    const Inputs before = pulleys.inputs().at(0.0, block.data());
+    block[static_cast<std::size_t>(pulleys.coordinates().rotation(1))] += 78.0 / 400.0;  // twice the torque
+    const Inputs after = pulleys.inputs().at(0.0, block.data());
     EXPECT_NEAR(after.load_torque, -156.0, 1e-9);
     EXPECT_NEAR(after.clamping[1], 2.0 * before.clamping[1], 1e-6);
 }

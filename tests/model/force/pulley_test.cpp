@@ -14,7 +14,9 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-std::vector<double> at_rest(const PulleyModel& pulleys) { return std::vector<double>(static_cast<std::size_t>(2 * pulleys.size()), 0.0); }
+std::vector<double> at_rest(const PulleyModel& pulleys) {
+    return std::vector<double>(static_cast<std::size_t>(2 * pulleys.coordinates().size()), 0.0);
+}
 
 std::vector<double> random_block(const PulleyModel& pulleys, unsigned seed) {
     std::mt19937_64 random(seed);
@@ -36,13 +38,13 @@ TEST(PulleyInputs, ClampingAndLoadRiseSmoothlyWhileSettling) {
     p.start.ramp_time = 0.005;
     const PulleyModel pulleys(p);
     const auto block = at_rest(pulleys);
-    const auto share = [&](double t) { return pulleys.inputs(t, block.data()).clamping[1] / 20e3; };
+    const auto share = [&](double t) { return pulleys.inputs().at(t, block.data()).clamping[1] / 20e3; };
     EXPECT_EQ(share(-0.02), 0.0);
     EXPECT_NEAR(share(-0.01875), 0.15625, 1e-12);  // a quarter: x²(3 - 2x)
     EXPECT_NEAR(share(-0.0175), 0.5, 1e-12);
     for (const double t : {-0.015, -0.001, 0.0, 1.0}) EXPECT_EQ(share(t), 1.0) << t;
-    EXPECT_NEAR(pulleys.inputs(-0.0175, block.data()).load_torque, -75.0, 1e-9);
-    EXPECT_NEAR(pulleys.inputs(-0.0175, block.data()).clamping[0], 13.55e3, 1e-8);
+    EXPECT_NEAR(pulleys.inputs().at(-0.0175, block.data()).load_torque, -75.0, 1e-9);
+    EXPECT_NEAR(pulleys.inputs().at(-0.0175, block.data()).clamping[0], 13.55e3, 1e-8);
 }
 
 TEST(PulleyInputs, TablesAreLinearAndTakenAtZeroBeforeZero) {
@@ -51,7 +53,7 @@ TEST(PulleyInputs, TablesAreLinearAndTakenAtZeroBeforeZero) {
     p.clamping.driving = TimeTable({0.002, 0.004}, {20e3, 30e3});
     const PulleyModel pulleys(p);
     const auto block = at_rest(pulleys);
-    const auto inputs = [&](double t) { return pulleys.inputs(t, block.data()); };
+    const auto inputs = [&](double t) { return pulleys.inputs().at(t, block.data()); };
     EXPECT_NEAR(inputs(0.005).load_torque, -150.0, 1e-10);
     EXPECT_NEAR(inputs(1.0).load_torque, -200.0, 0.0);
     EXPECT_NEAR(inputs(-0.001).load_torque, -100.0, 0.0);
@@ -70,13 +72,14 @@ TEST(PulleyInputs, TheGovernorHoldsItsSpeedAndLagsByTorqueOverStiffness) {
         for (const double t : {-0.01, 0.0, 0.05, 0.2}) {
             const double now = std::max(t, 0.0);
             const double angle = t <= 0.0 ? 200.0 * t : t <= 0.1 ? 200.0 * t + 500.0 * t * t : 25.0 + 300.0 * (t - 0.1);
-            const auto drive = [&] { return pulleys.inputs(t, block.data()).drive_torque; };
-            block[static_cast<std::size_t>(pulleys.rotation(0))] = angle;
-            block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(0))] = std::min(200.0 + 1000.0 * now, 300.0);
+            const auto drive = [&] { return pulleys.inputs().at(t, block.data()).drive_torque; };
+            block[static_cast<std::size_t>(pulleys.coordinates().rotation(0))] = angle;
+            block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(0))] =
+                std::min(200.0 + 1000.0 * now, 300.0);
             EXPECT_NEAR(drive(), 0.0, 1e-9) << t;  // angles of 55 rad are known to 7e-15, the stiffness is 7e4
-            block[static_cast<std::size_t>(pulleys.rotation(0))] -= 150.0 / stiffness;
+            block[static_cast<std::size_t>(pulleys.coordinates().rotation(0))] -= 150.0 / stiffness;
             EXPECT_NEAR(drive(), 150.0, 1e-8) << t;
-            block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(0))] -= 1.0;
+            block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(0))] -= 1.0;
             EXPECT_NEAR(drive(), 150.0 + 2.0 * 0.046 * 2.0 * pi * 200.0, 1e-8) << "critically damped";
         }
     }
@@ -93,13 +96,13 @@ TEST(PulleyInputs, ControlClampsHarderIfTheDrivenSideIsTooSlowWithinItsAuthority
     block.push_back(0.0);  // the integral
     const auto inputs = [&](const PulleyModel& of, double integral) {
         block.back() = integral;
-        return of.inputs(0.0, block.data());
+        return of.inputs().at(0.0, block.data());
     };
     const double nominal = 200.0 * pi / 3.0;  // 2000 rpm
-    block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(0))] = nominal;
-    double& driven = block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(1))];
+    block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(0))] = nominal;
+    double& driven = block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(1))];
     driven = 0.5 * nominal;
-    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).clamping[0], 27.1e3, 1e-6);
+    EXPECT_NEAR(pulleys.inputs().at(0.0, block.data()).clamping[0], 27.1e3, 1e-6);
     driven = 0.49 * nominal;  // ε = 0.02
     const Inputs slow = inputs(pulleys, 3e-5);
     EXPECT_NEAR(slow.control_rate[0], 0.02, 1e-15);
@@ -123,9 +126,9 @@ TEST(PulleyInputs, ControlStatesWhatItHoldsAndHowFarItIsOff) {
         const PulleyModel pulleys(p);
         auto block = at_rest(pulleys);
         block.push_back(0.0);  // the integral
-        block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(0))] = 200.0;
-        block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(1))] = 190.0;
-        return pulleys.controlled(0.0, block.data(), pulleys.inputs(0.0, block.data()));
+        block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(0))] = 200.0;
+        block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(1))] = 190.0;
+        return pulleys.inputs().controlled(0.0, block.data(), pulleys.inputs().at(0.0, block.data()));
     };
     EXPECT_EQ(controlled(ControlledQuantity::ratio).miss(), 0.0) << "no controller";
     p.control.enabled = true;
@@ -146,10 +149,10 @@ TEST(Pulleys, ClampingPushesBothMovableSheavesTowardTheChain) {
         const PulleyModel pulleys(scene(detail));
         const auto block = at_rest(pulleys);
         auto slope = block;
-        pulleys.slope(block.data(), pulleys.inputs(0.0, block.data()), {}, slope.data(), nullptr);
+        pulleys.slope(block.data(), pulleys.inputs().at(0.0, block.data()), {}, slope.data(), nullptr);
         // 1+ lies at +z and is pushed to -z; 2- the other way round. A sheave weighs 3 kg.
-        EXPECT_NEAR(slope[static_cast<std::size_t>(pulleys.size() + pulleys.movable(0))], -27.1e3 / 3.0, 1e-9);
-        EXPECT_NEAR(slope[static_cast<std::size_t>(pulleys.size() + pulleys.movable(1))], 20e3 / 3.0, 1e-9);
+        EXPECT_NEAR(slope[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().movable(0))], -27.1e3 / 3.0, 1e-9);
+        EXPECT_NEAR(slope[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().movable(1))], 20e3 / 3.0, 1e-9);
     }
 }
 
@@ -182,14 +185,14 @@ TEST(Pulleys, UnbalanceWhirlsAsTheResonanceCurveHasIt) {
     const PulleyModel pulleys(p);
     const double stiffness = p.pulley.attachment_radial, mass = p.pulley.sheave_mass;
     const auto at = [](int freedom) { return static_cast<std::size_t>(body_freedom(sheave_body(1, 1), freedom)); };
-    const std::size_t size = static_cast<std::size_t>(pulleys.size());
+    const std::size_t size = static_cast<std::size_t>(pulleys.coordinates().size());
     for (const double share : {0.1, 0.5, 2.0}) {  // of the resonance
         const double omega = share * std::sqrt(stiffness / mass), angle = 0.7;
         const double amplitude = 2e-3 * omega * omega / (stiffness - mass * omega * omega);
         auto block = at_rest(pulleys), slope = at_rest(pulleys);
         block[at(0)] = amplitude * std::cos(angle), block[at(1)] = amplitude * std::sin(angle), block[at(5)] = angle;
         block[size + at(0)] = -omega * block[at(1)], block[size + at(1)] = omega * block[at(0)], block[size + at(5)] = omega;
-        block[static_cast<std::size_t>(pulleys.rotation(1))] = angle;  // no torsion
+        block[static_cast<std::size_t>(pulleys.coordinates().rotation(1))] = angle;  // no torsion
         pulleys.slope(block.data(), {}, {}, slope.data(), nullptr);
         const double largest = std::abs(amplitude) * omega * omega;
         EXPECT_NEAR(slope[size + at(0)], -omega * omega * block[at(0)], 1e-12 * largest);
@@ -219,7 +222,7 @@ TEST(Pulleys, LoseWhatTheirForcesTakeAndGyroscopicForcesDoNoWork) {
             const double step = 1e-9;  // energies are quadratic: the central difference is exact up to rounding, 1e-16 · 20 J / step
             for (std::size_t k = 0; k < block.size(); ++k) before[k] -= step * slope[k], after[k] += step * slope[k];
             const double rate = (energy(after) - energy(before)) / (2.0 * step);
-            const WorkRates works = pulleys.works(block.data(), inputs);
+            const WorkRates works = input_powers(pulleys.coordinates(), block.data(), inputs);
             const double expected = works[0] + works[1] + works[2] - account[Loss::supports] - account[Loss::cylinder];
             EXPECT_GT(account[Loss::supports], 0.0);
             EXPECT_GT(account[Loss::cylinder], 0.0);
@@ -230,7 +233,7 @@ TEST(Pulleys, LoseWhatTheirForcesTakeAndGyroscopicForcesDoNoWork) {
 
 TEST(Pulleys, RigidOnesTurnAndCloseOnly) {
     const PulleyModel pulleys(scene(PulleyDetail::rigid));
-    ASSERT_EQ(pulleys.size(), 4);
+    ASSERT_EQ(pulleys.coordinates().size(), 4);
     EXPECT_NEAR(pulleys.inertia(0), 0.02 + 2.0 * 8e-3, 1e-17);
     EXPECT_NEAR(pulleys.inertia(2), 3.0, 0.0);
     const double block[8] = {0.1, 0.2, 1e-3, 2e-3, 10.0, 20.0, 0.3, 0.4};
@@ -248,10 +251,10 @@ TEST(Pulleys, RigidOnesTurnAndCloseOnly) {
 
 /// Pulleys that turn at 200 and 180 rad/s; behind them integrals of two controllers.
 std::vector<double> turning(const PulleyModel& pulleys, double first = 0.0, double second = 0.0) {
-    std::vector<double> block(static_cast<std::size_t>(2 * pulleys.size()));
+    std::vector<double> block(static_cast<std::size_t>(2 * pulleys.coordinates().size()));
     block.insert(block.end(), {first, second});
-    block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(0))] = 200.0;
-    block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(1))] = 180.0;
+    block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(0))] = 200.0;
+    block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(1))] = 180.0;
     return block;
 }
 
@@ -264,16 +267,18 @@ TEST(Inputs, DragGrowsWithSpeedAndClampingAndActsAgainstTheTurning) {
     p.drag.bearing_diameter = 0.05;
     const PulleyModel pulleys(p);
     auto block = turning(pulleys);
-    const auto speed = [&](double value) { block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(1))] = value; };
-    const auto drag = [&] { return pulleys.inputs(0.0, block.data()).drag[1]; };
+    const auto speed = [&](double value) {
+        block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(1))] = value;
+    };
+    const auto drag = [&] { return pulleys.inputs().at(0.0, block.data()).drag[1]; };
     const double under_load = 0.0012 * 0.025 * 2.0 * (27.1e3 + 20e3) * std::tan(p.tip.angle) / pi;
     EXPECT_NEAR(drag(), 0.3 + 0.18 + 0.0648 + under_load, 1e-12);
-    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).drag[0], under_load, 1e-12);
+    EXPECT_NEAR(pulleys.inputs().at(0.0, block.data()).drag[0], under_load, 1e-12);
     speed(-180.0);
     EXPECT_NEAR(drag(), -(0.3 + 0.18 + 0.0648 + under_load), 1e-12);
     speed(0.5);
     EXPECT_NEAR(drag(), 0.5 * (0.3 + under_load) + 0.5e-3 + 2e-6 * 0.25, 1e-12) << "proportional below 1 rad/s";
-    const Inputs inputs = pulleys.inputs(0.0, block.data());
+    const Inputs inputs = pulleys.inputs().at(0.0, block.data());
     EXPECT_EQ(inputs.on_shafts()[1], inputs.load_torque - drag());
 }
 
@@ -284,9 +289,9 @@ TEST(Inputs, LoadGrowsWithSpeedAndItsSquareAgainstTheTravel) {
     p.load.quadratic = 1e-3;
     const PulleyModel pulleys(p);
     auto block = turning(pulleys);
-    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).load_torque, -(10.0 + 18.0 + 32.4), 1e-12);
-    block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(1))] = -180.0;
-    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).load_torque, -(10.0 - 18.0 - 32.4), 1e-12);
+    EXPECT_NEAR(pulleys.inputs().at(0.0, block.data()).load_torque, -(10.0 + 18.0 + 32.4), 1e-12);
+    block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(1))] = -180.0;
+    EXPECT_NEAR(pulleys.inputs().at(0.0, block.data()).load_torque, -(10.0 - 18.0 - 32.4), 1e-12);
 }
 
 /// Slipping torque of one-dimensional theory: 2 mu S r/cos(beta).
@@ -297,15 +302,15 @@ TEST(Inputs, ClampingBySafetyCarriesThatManyTimesTheLoad) {
     const PulleyModel pulleys(p);
     auto block = turning(pulleys);
     const double carried = 2.0 * p.tip.friction.coefficient * p.pulley.arc_position / std::cos(p.tip.angle);
-    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).clamping[1], 1.5 * 200.0 / carried, 1e-6);
-    EXPECT_EQ(pulleys.inputs(0.0, block.data()).clamping[0], 27.1e3);
+    EXPECT_NEAR(pulleys.inputs().at(0.0, block.data()).clamping[1], 1.5 * 200.0 / carried, 1e-6);
+    EXPECT_EQ(pulleys.inputs().at(0.0, block.data()).clamping[0], 27.1e3);
     // The movable driven sheave, at -z, 1 mm further out: the chain runs 1 mm/(2 tan 11°) further in.
-    block[static_cast<std::size_t>(pulleys.movable(1))] = -1e-3;
+    block[static_cast<std::size_t>(pulleys.coordinates().movable(1))] = -1e-3;
     const double radius = p.pulley.arc_position - 0.5e-3 / std::tan(p.tip.angle);
-    EXPECT_NEAR(pulleys.running_radius(block.data(), 1), radius, 1e-15);
-    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).clamping[1], 300.0 / (carried * radius / p.pulley.arc_position), 1e-6);
+    EXPECT_NEAR(pulleys.coordinates().running_radius(block.data(), 1), radius, 1e-15);
+    EXPECT_NEAR(pulleys.inputs().at(0.0, block.data()).clamping[1], 300.0 / (carried * radius / p.pulley.arc_position), 1e-6);
     p.load.torque = TimeTable(20.0);
-    EXPECT_EQ(PulleyModel(p).inputs(0.0, block.data()).clamping[1], 20e3) << "no less than the table";
+    EXPECT_EQ(PulleyModel(p).inputs().at(0.0, block.data()).clamping[1], 20e3) << "no less than the table";
 }
 
 TEST(Inputs, ControlOfSlipClampsTheDrivenSideHarderWhereItSlipsMore) {
@@ -316,26 +321,29 @@ TEST(Inputs, ControlOfSlipClampsTheDrivenSideHarderWhereItSlipsMore) {
     p.control.proportional = 1e5;
     p.control.integral = 2e7;
     const PulleyModel pulleys(p);
-    const Inputs in = pulleys.inputs(0.0, turning(pulleys, 3e-5).data());  // equal radii: slip 0.1
+    const Inputs in = pulleys.inputs().at(0.0, turning(pulleys, 3e-5).data());  // equal radii: slip 0.1
     EXPECT_NEAR(in.control_rate[0], 0.08, 1e-15);
     EXPECT_NEAR(in.clamping[1], 20e3 + 1e5 * 0.08 + 2e7 * 3e-5, 1e-6);
     EXPECT_EQ(in.clamping[0], 27.1e3);
-    EXPECT_EQ(pulleys.inputs(0.0, turning(pulleys, 1.0).data()).control_rate[0], 0.0) << "it does not wind up";
-    EXPECT_EQ(pulleys.inputs(0.0, std::vector<double>(2 * static_cast<std::size_t>(pulleys.size()) + 2).data()).control_rate[0], 0.0)
+    EXPECT_EQ(pulleys.inputs().at(0.0, turning(pulleys, 1.0).data()).control_rate[0], 0.0) << "it does not wind up";
+    EXPECT_EQ(pulleys.inputs()
+                  .at(0.0, std::vector<double>(2 * static_cast<std::size_t>(pulleys.coordinates().size()) + 2).data())
+                  .control_rate[0],
+              0.0)
         << "at rest nothing slips";
 }
 
 /// S_2 of a controller of the safety factor alone, whose integral starts at zero, after `time`, with everything else at rest [N].
 double controlled_force(const Parameters& p, double time, int steps) {
     const PulleyModel pulleys(p);
-    const auto rate = [&](double integral) { return pulleys.inputs(0.0, turning(pulleys, integral).data()).control_rate[0]; };
+    const auto rate = [&](double integral) { return pulleys.inputs().at(0.0, turning(pulleys, integral).data()).control_rate[0]; };
     const double h = time / steps;
     double integral = 0.0;
     for (int k = 0; k < steps; ++k) {  // Runge-Kutta of order 4
         const double a = rate(integral), b = rate(integral + 0.5 * h * a), c = rate(integral + 0.5 * h * b), d = rate(integral + h * c);
         integral += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
     }
-    return pulleys.inputs(0.0, turning(pulleys, integral).data()).clamping[1];
+    return pulleys.inputs().at(0.0, turning(pulleys, integral).data()).clamping[1];
 }
 
 Parameters with_safety(double required, double torque) {
@@ -395,7 +403,7 @@ TEST(Inputs, TwoControllersHoldBothShaftsEachWithAnIntegralAndGainsOfItsOwn) {
     p.control.driven = DrivenControl::slip;
     const PulleyModel both(p);
     const auto block = turning(both, 3e-5, 5e-5);
-    const Inputs alone = first.inputs(0.0, block.data()), together = both.inputs(0.0, block.data());
+    const Inputs alone = first.inputs().at(0.0, block.data()), together = both.inputs().at(0.0, block.data());
     EXPECT_EQ(together.clamping[0], alone.clamping[0]) << "what the first one does, it does beside the second";
     EXPECT_EQ(together.control_rate[0], alone.control_rate[0]);
     EXPECT_EQ(alone.clamping[1], 20e3);
@@ -403,8 +411,8 @@ TEST(Inputs, TwoControllersHoldBothShaftsEachWithAnIntegralAndGainsOfItsOwn) {
     EXPECT_NEAR(together.control_rate[1], 0.08, 1e-15);
     EXPECT_NEAR(together.clamping[1], 20e3 + 3e4 * 0.08 + 4e7 * 5e-5, 1e-6);
     EXPECT_FALSE(together.control_limited);
-    EXPECT_TRUE(both.inputs(0.0, turning(both, 0.0, 1.0).data()).control_limited) << "the second one alone";
-    EXPECT_GT(both.inputs(0.0, turning(both, 0.0, 1.0).data()).control_rate[0], 0.0);
+    EXPECT_TRUE(both.inputs().at(0.0, turning(both, 0.0, 1.0).data()).control_limited) << "the second one alone";
+    EXPECT_GT(both.inputs().at(0.0, turning(both, 0.0, 1.0).data()).control_rate[0], 0.0);
 }
 
 /// Accelerations, and with them powers and the control's rate, are the oracle's, to 1e-12 of the largest.

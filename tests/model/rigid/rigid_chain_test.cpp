@@ -38,7 +38,7 @@ std::vector<double> random_state(const Parameters& p, std::uint64_t seed) {
         y[tail + size + k] += 0.01 * uniform(generator);
     }
     for (int shaft = 0; shaft < 2 && size != 0; ++shaft)
-        y[tail + static_cast<std::size_t>(pulleys.movable(shaft))] += (shaft == 0 ? -1.0 : 1.0) * 2e-5;
+        y[tail + static_cast<std::size_t>(pulleys.coordinates().movable(shaft))] += (shaft == 0 ? -1.0 : 1.0) * 2e-5;
     return y;
 }
 
@@ -73,7 +73,7 @@ struct Evaluation {
         chain = variator.chain().rigid()->last().forces.account;
         all = chain;
         if (at.pulley_size == 0) return;
-        inputs = variator.pulleys().inputs(t, y.data() + at.pulley_begin());
+        inputs = variator.pulleys().inputs().at(t, y.data() + at.pulley_begin());
         std::vector<double> ignored(static_cast<std::size_t>(2 * at.pulley_size));
         variator.pulleys().slope(y.data() + at.pulley_begin(), inputs, {}, ignored.data(), &all);
     }
@@ -129,7 +129,7 @@ TEST(RigidModel, EnergyChangesByWorksMinusLosses) {
         constexpr double instant = 1e-8;
         const double rate = (energy_after(instant) - energy_after(-instant)) / (2.0 * instant);
         WorkRates works{};
-        if (at.pulley_size != 0) works = variator.pulleys().works(y.data() + at.pulley_begin(), now.inputs);
+        if (at.pulley_size != 0) works = model::input_powers(variator.pulleys().coordinates(), y.data() + at.pulley_begin(), now.inputs);
         const double losses = Evaluation::total(now.all.loss), expected = Evaluation::total(works) - losses;
         EXPECT_NEAR(rate, expected, 2e-3 + 1e-5 * losses);
         for (const double loss : now.all.loss) EXPECT_GE(loss, 0.0);

@@ -39,7 +39,7 @@ struct Swing final : RunObserver {
     explicit Swing(double from) : from_(from) {}
     void output(double time, const Workspace& w, const Counters&) override {
         if (time < from_) return;
-        const model::Inputs now = w.variator.pulleys().inputs(time, w.state() + w.layout().pulley_begin());
+        const model::Inputs now = w.variator.pulleys().inputs().at(time, w.state() + w.layout().pulley_begin());
         const double force = now.clamping[0];
         limited_ = limited_ || now.control_limited;
         sum_ += force;

@@ -31,15 +31,15 @@ Scene hydraulic_scene(const std::string& detail, std::vector<std::string> more =
 const double* tail_of(const Simulation& of) { return of.workspace().state() + of.workspace().layout().pulley_begin(); }
 
 model::HydraulicEnergy energy_of(const Simulation& simulation) {
-    return simulation.workspace().variator.pulleys().hydraulic_energy(tail_of(simulation));
+    return simulation.workspace().variator.pulleys().inputs().hydraulic_energy(tail_of(simulation));
 }
 
 model::Inputs inputs_of(const Simulation& simulation) {
-    return simulation.workspace().variator.pulleys().inputs(simulation.time(), tail_of(simulation));
+    return simulation.workspace().variator.pulleys().inputs().at(simulation.time(), tail_of(simulation));
 }
 
 model::HydraulicInstant oil_in(const Simulation& simulation) {
-    return simulation.workspace().variator.pulleys().hydraulics(simulation.time(), tail_of(simulation));
+    return simulation.workspace().variator.pulleys().inputs().hydraulics(simulation.time(), tail_of(simulation));
 }
 
 /// S_2 rises by half within 0.2 ms: a transient of everything.

@@ -43,13 +43,14 @@ TEST(SimulationCouplings, TheirEnergyBalanceClosesToRounding) {
     settle_and_go(simulation, 0.0);
     double stored[2];
     for (int shaft = 0; shaft < 2; ++shaft)
-        stored[shaft] = simulation.workspace().variator.pulleys().coupling(0.0, pulleys_of(simulation), shaft).energy;
+        stored[shaft] = simulation.workspace().variator.pulleys().torques().coupling(0.0, pulleys_of(simulation), shaft).energy;
     settle_and_go(simulation, 1e-3);
     const EnergyLedger& energy = simulation.workspace().energy;
     const EnergySums sums = energy.sums(simulation.time());
     for (std::size_t k = 0; k < 2; ++k) {
         const int shaft = static_cast<int>(k);
-        const double now = simulation.workspace().variator.pulleys().coupling(simulation.time(), pulleys_of(simulation), shaft).energy;
+        const double now =
+            simulation.workspace().variator.pulleys().torques().coupling(simulation.time(), pulleys_of(simulation), shaft).energy;
         const double far = energy.input_works().couplings.work[k], lost = energy.input_works().couplings.dissipated[k];
         EXPECT_GT(lost, 0.0) << shaft;
         EXPECT_NEAR(far, sums.work[k] + (now - stored[k]) + lost, 1e-9 * std::abs(far)) << shaft;  // sums over 20,000 steps
@@ -65,13 +66,14 @@ TEST(SimulationCouplings, RigidPinsCountWorkAndLossOfBothCouplings) {
     settle_and_go(simulation, 0.0);
     double stored[2];
     for (int shaft = 0; shaft < 2; ++shaft)
-        stored[shaft] = simulation.workspace().variator.pulleys().coupling(0.0, pulleys_of(simulation), shaft).energy;
+        stored[shaft] = simulation.workspace().variator.pulleys().torques().coupling(0.0, pulleys_of(simulation), shaft).energy;
     settle_and_go(simulation, 1e-3);
     const EnergyLedger& energy = simulation.workspace().energy;
     const EnergySums sums = energy.sums(simulation.time());
     for (std::size_t k = 0; k < 2; ++k) {
         const int shaft = static_cast<int>(k);
-        const double now = simulation.workspace().variator.pulleys().coupling(simulation.time(), pulleys_of(simulation), shaft).energy;
+        const double now =
+            simulation.workspace().variator.pulleys().torques().coupling(simulation.time(), pulleys_of(simulation), shaft).energy;
         const double far = energy.input_works().couplings.work[k], lost = energy.input_works().couplings.dissipated[k];
         EXPECT_GT(std::abs(far), 0.01) << shaft;
         EXPECT_GT(lost, 0.0) << shaft;
@@ -84,7 +86,7 @@ TEST(SimulationCouplings, AFarEndThatSlowsDownBrakesTheShaft) {
     Simulation simulation(coupled_scene());
     settle_and_go(simulation, 0.0);
     const model::PulleyModel& pulleys = simulation.workspace().variator.pulleys();
-    const auto torque = [&] { return pulleys.inputs(simulation.time(), pulleys_of(simulation)).load_torque; };
+    const auto torque = [&] { return pulleys.inputs().at(simulation.time(), pulleys_of(simulation)).load_torque; };
     const double before = torque();
     EXPECT_LT(before, 0.0);
     settle_and_go(simulation, 4e-4);
@@ -133,7 +135,7 @@ Scene dragged_scene(const std::string& detail, std::vector<std::string> more = {
 
 double shaft_angle(const Simulation& simulation, int shaft) {
     const double* tail = simulation.workspace().state() + simulation.workspace().layout().pulley_begin();
-    return tail[simulation.workspace().variator.pulleys().rotation(shaft)];
+    return tail[simulation.workspace().variator.pulleys().coordinates().rotation(shaft)];
 }
 
 class ShaftDrag : public testing::TestWithParam<std::string> {};
@@ -210,7 +212,7 @@ Scene ready(const std::string& name, const std::vector<std::string>& settings) {
 
 double turning(const Simulation& simulation, int shaft) {
     const double* tail = simulation.workspace().state() + simulation.workspace().layout().pulley_begin();
-    return simulation.workspace().variator.pulleys().shaft_speed(tail, shaft);
+    return simulation.workspace().variator.pulleys().coordinates().shaft_speed(tail, shaft);
 }
 
 /// m dv/dt = -(F_0 + c v²): v = sqrt(F_0/c) tan(atan(v_0 sqrt(c/F_0)) - t sqrt(F_0 c)/m). A light vehicle with large drag, so that
@@ -227,7 +229,7 @@ TEST(SimulationVehicle, CoastsDownAsTheClosedFormHasIt) {
     const double polar = p.pulley.shaft_polar_inertia + 2.0 * p.pulley.sheave_polar_inertia;
     const Workspace& w = simulation.workspace();
     const double link = 2.0 * p.half.mass + p.plate.count * p.plate.mass,
-                 radius = w.variator.pulleys().running_radius(w.state() + w.layout().pulley_begin(), 1);
+                 radius = w.variator.pulleys().coordinates().running_radius(w.state() + w.layout().pulley_begin(), 1);
     const double chain = p.chain.pins * link * radius * radius;
     const double mass = scene.vehicle.mass + (polar + ratio * ratio * polar + chain) / (lever * lever);
     const double constant = 40.0 * 9.81, drag = 0.5 * 1.2 * 10.0, lasted = 40e-3;

@@ -357,7 +357,7 @@ TEST(Simulation, WithFoundGainsHoldsTheRatioBySettlingOnce) {
     Simulation simulation(scene);
     const auto clamping = [&] {
         const Workspace& w = simulation.workspace();
-        return w.variator.pulleys().inputs(simulation.time(), w.state() + w.layout().pulley_begin()).clamping[0];
+        return w.variator.pulleys().inputs().at(simulation.time(), w.state() + w.layout().pulley_begin()).clamping[0];
     };
     const auto built_up = [&] { return simulation.workspace().state()[simulation.workspace().layout().control_begin()]; };
     ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never_ended));
