@@ -55,7 +55,7 @@ double PulleyInputs::control_error(const Governing& by, double now, double load,
     }
     const double driving = at.shaft_speed(block, 0), driven = at.shaft_speed(block, 1);
     if (by.quantity == ControlledQuantity::ratio) {
-        const double faster = (driving - (torques_.held().ratio.value_or(control_.ratio.at(now))) * driven) / reference_speed_;
+        const double faster = (driving - torques_.held().ratio.value_or(control_.ratio.at(now)) * driven) / reference_speed_;
         return driving < 0.0 ? -faster : faster;
     }
     return driving * at.running_radius(block, 0) != 0.0 ? position_slip(block) - control_.slip.at(now) : 0.0;
