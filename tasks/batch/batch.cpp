@@ -300,8 +300,8 @@ private:
         return {folder / "checkpoints", folder / "records", folder / "continuation", options_.checkpoint_every, options_.mixed};
     }
 
-    /// Runs some cases again, those that ended well, from their own start, one after the other. Empty if it was stopped.
-    /// @param longer  whether for three times as long, beside their stated errors
+    /// Text of RepeatedCases for some cases that ended well, repeated without continuation one after the other. Empty if stopped.
+    /// @param longer whether for three times as long, beside their stated errors
     std::string repeat(OrderedRows& rows, const std::vector<long>& cases, bool longer) {
         RepeatedCases changes(sweep_, longer);
         std::unique_ptr<CaseEngine> engine;
@@ -354,7 +354,7 @@ private:
     const BatchOptions& options_;
     std::string folder_, file_;
     engine::Permit permit_;
-    std::unique_ptr<engine::FolderLock> lock_;  ///< of a worker's place the caller has it
+    std::unique_ptr<engine::FolderLock> lock_;  ///< lock of the folder; nullptr for a worker, whose caller holds it
     const engine::Cancellation& cancel_;
     int threads_;
     StartStates starts_;

@@ -82,7 +82,7 @@ Reducer CaseScalars::over_periods(std::size_t scalar, double begin) const {
     return whole;
 }
 
-/// Where periods count, each has its own. Integrals begin at the last sample of the period before: they add up.
+/// Reducers of the present pin period where periods count, else of the case. Integrals begin at the last sample of the period before.
 std::span<Reducer> CaseScalars::present_reducers() {
     const std::size_t count = sweep_.scalars.size(), first = by_periods() ? (means_.curve().points().size() - 1) * count : 0;
     for (std::size_t next = reducers_.size(); next < first + count; ++next)

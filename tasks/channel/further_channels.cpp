@@ -50,7 +50,7 @@ double contact_thrust_ratio(const Instant& now) {
     return driven != 0.0 ? spreading(now, 0) / driven : undefined;
 }
 
-constexpr double largest_safety = 1e3;  ///< without torque it is infinite; records hold numbers
+constexpr double largest_safety = 1e3;  ///< maximum of a record, which contains no infinity: the factor without torque
 
 double safety_factor(const Instant& now, std::size_t shaft) {
     const model::TipCoefficients& tip = now.workspace.variator.chain().coefficients().tip;
@@ -80,7 +80,7 @@ void followed_plates(const Instant& now, double* out) {
     std::copy_n(all.plate_tension.begin() + all.plates_per_link * now.followed_pin, all.plates_per_link, out);
 }
 
-/// A pin's halves: the rear one of its own link, the front one of the link before.
+/// A pin's halves: the rear one of its link, the front one of the link before.
 void followed_halves(const Instant& now, double* out, Forces member) {
     const auto& all = now.observer.forces().chain.*member;
     const int before = now.workspace.layout().previous(now.followed_pin);

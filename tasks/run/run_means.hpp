@@ -78,7 +78,7 @@ struct Scene;
 class RunMeans {
 public:
     void clear() noexcept;
-    /// Before the first sample: means are over the last half of the time, and checked by the rule, if it is one.
+    /// Takes means over the last half of the time and checks them by the rule, if it has a tolerance. Call it before the first sample.
     void seek_steady(const SteadyRule& rule) noexcept;
     /// A sample. @param sums of the energies so far   @param pin_period see Workspace [s]   @param mark of the energies' ledger
     /// @param needed_speed of shaft 2, by a cycle; 0: none [rad/s]

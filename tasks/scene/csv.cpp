@@ -39,7 +39,7 @@ char csv_separator(std::string_view heading) {
 
 namespace {
 
-/// As csv_lines, numbers as they are.
+/// Splits as csv_lines() does; keeps numbers as written.
 std::vector<std::vector<std::string>> split(std::string_view text, char separator) {
     std::vector<std::vector<std::string>> lines(1, {""});
     bool quoted = false;

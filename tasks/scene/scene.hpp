@@ -65,11 +65,11 @@ struct RunSettings {
     double state_interval = 2e-4;   ///< full states [s]
     long max_steps = 0;             ///< 0: no limit
     double max_wall = 0.0;          ///< wall-clock limit, 0: none [s]
-    int followed_pin = 0;           ///< pin whose own channels are recorded
+    int followed_pin = 0;           ///< pin whose channels are recorded
     std::string schedule = "auto";  ///< executor by name in the catalogue, or auto: the fastest by trials during the run
     Assembly assembly = Assembly::fused;
     PartitionKind partition = PartitionKind::equal;
-    int segments = 0;                   ///< parts of the chain that are tasks of their own; 0: as many as threads
+    int segments = 0;                   ///< parts of the chain that are separate tasks; 0: as many as threads
     int threads = 0;                    ///< 0: as many as this process may use
     std::uint64_t seed = 0;             ///< seed of all that is drawn by chance
     std::vector<std::string> channels;  ///< recorded beside the usual ones: names, or groups such as "tips/*"
@@ -150,7 +150,7 @@ struct DetailPreset {
     int joint_points;
     model::PulleyDetail pulleys;
     double mass_scaling;   ///< [1]
-    double cost;           ///< processor time of a simulated second over that of "fine", each with its own automatic step [1]
+    double cost;           ///< processor time of a simulated second over that of "fine", each with its automatic step [1]
     double tension_error;  ///< error of the strands' tensions, the larger one, against the finest level at a quarter of its step [1]
     double slip_error;     ///< error of the slip, likewise [1]
 };

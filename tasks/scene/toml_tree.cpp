@@ -63,7 +63,7 @@ private:
             else if (lines ? text_.compare(at_, 3, three) == 0 : text_[at_] == quote)
                 break;
             else if (!lines && text_[at_] == '\n')
-                return;  // not closed: an error of its own
+                return;  // not closed: a separate error
         }
         if (lines) at_ += 2;
     }

@@ -386,7 +386,7 @@ std::string with_power(std::string_view symbol, const std::vector<std::string>& 
     return unit ? fmt::format("{}^{}", head, symbol.back()) : std::string{};
 }
 
-/// With six digits at most.
+/// Number with at most six digits.
 std::string short_text(double value) { return number_text(engine::number_of(fmt::format("{:.6g}", value)).value_or(value)); }
 
 }  // namespace

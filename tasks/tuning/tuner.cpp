@@ -30,7 +30,7 @@ namespace {
 using WallClock = std::chrono::steady_clock;
 
 constexpr const char* out_of_time = "budget used up";
-constexpr double gained_by_halving = 4.0;  ///< at most, by a method of second order
+constexpr double gained_by_halving = 4.0;  ///< largest ratio of the errors, for methods of second order
 
 double seconds_since(WallClock::time_point then) { return std::chrono::duration<double>(WallClock::now() - then).count(); }
 
@@ -275,7 +275,7 @@ engine::SavedState Tuner::settled_state(const TuneChoice& choice) {
 
 namespace {
 
-constexpr double shares[] = {1.0, 0.5, 0.25};  ///< of the automatic step
+constexpr double shares[] = {1.0, 0.5, 0.25};  ///< shares of the automatic step
 constexpr std::size_t max_methods = 3;
 constexpr double method_reach = 2.0;    ///< methods that cost this many times as much as the cheapest are left out
 constexpr double method_trial = 50e-6;  ///< [s]

@@ -63,7 +63,7 @@ private:
 
     struct Stage {
         KickRow row{};
-        double extrapolation = 0.0;  ///< of G, in units of the difference between the last two [1]
+        double extrapolation = 0.0;  ///< change of G at the stage, in units of the difference between its last two values
     };
     void begin();
     [[nodiscard]] Fault choose_table();
@@ -74,9 +74,9 @@ private:
     Workspace& w_;
     LeapfrogFrame frame_;
     const KickTables tables_;
-    const KickTable* table_ = nullptr;                ///< of the present step
+    const KickTable* table_ = nullptr;                ///< table of the present step
     int stage_ = 0;                                   ///< the first that is in no cycle yet
-    std::array<Stage, PassCycles::most> together_{};  ///< of the present cycle
+    std::array<Stage, PassCycles::most> together_{};  ///< stages of the present cycle
     long steps_ = 0;
     double radius_ = 0.0;  ///< spectral radius of friction [1/s]
 };

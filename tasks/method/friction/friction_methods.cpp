@@ -58,8 +58,8 @@ constexpr double longest_swept_step = 2.0e-6;
     return parameters.detail.pins == model::PinDetail::rigid ? "" : "detail.pins = \"rigid\"";
 }
 
-/// At 5 us strands are off by 0.4 % and slip by 1.5 % at most (docs/detail.md), and 6.1 us are stable at `baseline`. The step is shorter
-/// where friction falls and where the chain is fast (auto_step.cpp) [s].
+/// Longest step of rigid pins, where strands are off by 0.4 % and slip by 1.5 % at most (docs/detail.md); 6.1 us are stable at `baseline`.
+/// The step is shorter where friction falls and where the chain is fast (auto_step.cpp) [s].
 constexpr double longest_rigid_step = 5e-6;
 
 /// Dampers of rigid pins take the velocity before the step: -1 is an eigenvalue at h δ = 2.

@@ -22,7 +22,7 @@ struct GhostColumn {
 /// Which column of its segment's fields a link has, and what neighbouring segments read of each other.
 ///
 /// Columns of all links side by side would make segments share cache lines, and what a processor fetches ahead, a row's lines up to the
-/// next segment's, would be taken from the processor that writes them at every stage. So every segment has fields of its own, ghost columns
+/// next segment's, would be taken from the processor that writes them at every stage. So every segment has separate fields, ghost columns
 /// included, and what its neighbours need is handed over in one piece.
 class SegmentColumns {
 public:

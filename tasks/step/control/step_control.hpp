@@ -89,8 +89,8 @@ struct StepSettings {
     long max_steps = 0;             ///< 0: no budget
     double max_wall = 0.0;          ///< [s], 0: no budget
     StepControl control = StepControl::fixed;
-    double tolerance = 1.0;        ///< of local errors, in units of ErrorScale [1]
-    StepChoice* choice = nullptr;  ///< what chooses automatic steps; outlives the controller
+    double tolerance = 1.0;        ///< tolerance of local errors, in units of ErrorScale
+    StepChoice* choice = nullptr;  ///< chooser of automatic steps; outlives the controller
     const bool* pause = nullptr;   ///< if true (set by an observer), the run ends before the next step as if cancelled
 
     [[nodiscard]] bool automatic() const noexcept { return choice != nullptr && step == 0.0; }

@@ -33,7 +33,7 @@ void warm(Workspace& w) noexcept {
     w.warm();
 }
 
-/// Stages must have times of their own, and a step must advance the time by its length, to three digits.
+/// Stages must have different times, and a step must advance the time by its length, to three digits.
 [[nodiscard]] Fault check_precision(double time, double step) noexcept {
     const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(time);
     if (step >= shortest) return {};

@@ -38,7 +38,7 @@ private:
     [[nodiscard]] double time(long of_leg, long of_point) const noexcept;
 };
 
-/// With the error in charge, the grid is that of outputs.
+/// Grid of a run; its points are the outputs where the error decides the step.
 [[nodiscard]] StepGrid grid_of(const StepSettings& settings) noexcept;
 
 /// First point after t of the tables of inputs that are in use; infinite: none. Between two points inputs are smooth in time. t [s]
