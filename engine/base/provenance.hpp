@@ -6,7 +6,7 @@
 namespace cvtflow::engine {
 
 struct Provenance {
-    std::string version;          ///< of cvtflow, "0.2.0"
+    std::string version;          ///< version of cvtflow, "0.2.0"
     std::string commit;           ///< `git describe --always --dirty` when the build was configured, or "unknown"
     std::string compiler;         ///< "GNU 12.2.0"
     std::string build_type;       ///< "Release"

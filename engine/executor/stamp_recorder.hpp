@@ -22,10 +22,10 @@ namespace cvtflow::engine {
 
 /// Meaning of a span that is not a task; tasks are ≥ 0.
 enum SpanCode : int {
-    span_wait = -1,        ///< between two others of the same thread and run
+    span_wait = -1,        ///< time between two other spans of the same thread and run
     span_controller = -2,  ///< Controller::next()
-    span_enter = -3,       ///< from the beginning of run() to the thread's first task
-    span_exit = -4,        ///< from the thread's last task to the end of run()
+    span_enter = -3,       ///< time from the beginning of run() to the thread's first task
+    span_exit = -4,        ///< time from the thread's last task to the end of run()
 };
 
 class StampRecorder {

@@ -46,7 +46,7 @@ private:
         int end;
         int keep;
         int slope;
-        double time;  ///< as above [1]
+        double time;  ///< PlanStep::time
     };
 
     [[nodiscard]] PlanStep step(int row) const noexcept;

@@ -34,7 +34,7 @@ private:
 /// How a child has ended.
 struct ChildEnd {
     int status = 0;            ///< exit status, or 128 + signal
-    int signal = 0;            ///< that ended it; 0: it ended by itself
+    int signal = 0;            ///< signal that ended it; 0: it ended by itself
     bool interrupted = false;  ///< an ending signal came while it lived
 };
 

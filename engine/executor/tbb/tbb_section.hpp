@@ -14,7 +14,7 @@
 
 namespace cvtflow::engine {
 
-/// An own arena and an own context: neither do our threads run the host's tasks while they wait, nor the host's threads ours, nor does
+/// A separate arena and context: neither do our threads run the host's tasks while they wait, nor the host's threads ours, nor does
 /// a host that cancels its tasks cancel the step. (A default flow::graph of oneTBB 2021.8 is bound to the host's context.)
 /// The context carries the caller's floating point mode to all threads. A graph is built inside execute(), for it belongs to the arena
 /// in which it is built.

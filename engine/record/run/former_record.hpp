@@ -30,7 +30,7 @@ struct RowsWritten {
 struct RecordPosition {
     RowsWritten channels;
     RowsWritten states;
-    std::vector<RowsWritten> tables{};  ///< in the order of RunContents; rows of a table come without time
+    std::vector<RowsWritten> tables{};  ///< rows of tables in the order of RunContents, without time
 };
 
 /// Copies the first rows of a record into a new one of the same contents, which is then flushed to disk.

@@ -51,7 +51,7 @@ public:
     /// Creates `<path>.part`.
     /// Errors: those of Permit, another run writing it, contents that contradict.
     RunFile(const Permit& permit, RunContents contents, RunFileOptions options = {});
-    /// Without close(): saves what it can, sets the status to "interrupted" unless set_status() was called, leaves the .part file.
+    /// Saves what it can if close() was not called, sets the status to "interrupted" unless set_status() was called, leaves the .part file.
     ~RunFile();
     RunFile(const RunFile&) = delete;
     RunFile& operator=(const RunFile&) = delete;
