@@ -17,7 +17,7 @@ namespace cvtflow::tools {
 
 inline constexpr const char* force_meaning = "Replace existing output files";
 
-/// The name of a file beside a record or sweep: its own, without .h5, .part, .csv or .toml, and another ending. "run_0.1" gives
+/// The name of a file beside a record or sweep: its name, without .h5, .part, .csv or .toml, and another ending. "run_0.1" gives
 /// "run_0.1.html".
 [[nodiscard]] std::string beside(const std::string& file, std::string_view ending);
 

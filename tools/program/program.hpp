@@ -26,7 +26,7 @@ struct Command {
 struct Program {
     std::string_view name;              ///< "cvtflow"
     std::string_view description;       ///< one line
-    std::span<const Command> commands;  ///< in the order of the help text
+    std::span<const Command> commands;  ///< commands in the order of the help text
     std::string_view first_steps;       ///< lines of the help text
     std::string_view other;             ///< the other program, suggested for unknown commands
 };

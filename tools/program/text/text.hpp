@@ -51,8 +51,8 @@ private:
 /// How a quantity is shown.
 struct Shown {
     std::string label;    ///< "slip [%]", "tight tension [N]"
-    double factor = 1.0;  ///< from the unit of the record to that of the label
-    std::string unit;     ///< of the label: "%", "N"; empty: none
+    double factor = 1.0;  ///< factor from the unit of the record to that of the label
+    std::string unit;     ///< unit of the label: "%", "N"; empty: none
 };
 
 /// Pictures, pages and tables of this process show SI units from now on. Called while the command line is parsed.

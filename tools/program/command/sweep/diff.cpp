@@ -28,7 +28,7 @@ struct Pair {
 /// Differences in a column.
 struct ColumnDifference {
     std::string name, unit;
-    double factor = 1.0;  ///< from SI to that unit
+    double factor = 1.0;  ///< factor from SI to `unit`
     long cases = 0;
     double largest = 0.0, relative = 0.0;  ///< largest |a - b| [SI] and |a - b| / max(|a|, |b|); NaN if texts differ
     std::string example, shown;            ///< the case of the largest relative difference, and both cells: in SI, in `unit`
