@@ -31,8 +31,8 @@ std::vector<long> cases_to_check(const Sweep& sweep, const std::vector<long>& ca
     return chosen;
 }
 
-/// Some cases once more, otherwise: continued ones from the start that they would have had without that, steady ones for three times as
-/// long. Largest difference of each scalar.
+/// Largest difference of each scalar in some cases that are repeated: continued ones from their start without continuation, steady ones for
+/// three times as long.
 class RepeatedCases {
 public:
     /// @param stated  beside the differences, their share of the stated errors, instead of the values
@@ -111,7 +111,7 @@ class FailingAlike {
 public:
     /// @param sought  otherwise never hopeless
     explicit FailingAlike(bool sought) : open_(sought) {}
-    /// One thread at a time.
+    /// Called by one thread at a time.
     void add(const CaseResult& result) {
         if (!open_) return;
         const std::string text = fmt::format("{}: {}", status_name(result.status), result.error);
@@ -199,7 +199,7 @@ private:
         }
     }
 
-    /// More cases for a worker. @return whether there are any
+    /// Claims more cases for a worker. @return whether there are any
     bool claim() {
         if (options_.worker == 0 || options_.part.only) return false;
         const engine::Claim claimed = engine::claim_cases(claims_file(options_.folder), options_.worker, sweep_.cases(), sweep_.strand());

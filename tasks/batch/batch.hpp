@@ -36,9 +36,9 @@ struct Shard {
 
 struct BatchProgress {
     long cases = 0, before = 0, done = 0;  ///< cases of this shard: all, done in former sessions, done now
-    long failed = 0;                       ///< done now, but not ok
+    long failed = 0;                       ///< cases done now, but not ok
     double wall = 0.0;                     ///< [s]
-    long warm = 0;                         ///< done when every worker had finished a case, the shared settling included; 0: not yet
+    long warm = 0;                         ///< cases done when every worker had finished one, the shared settling included; 0: not yet
     double warm_wall = 0.0;                ///< wall time when `warm` was set [s]
 
     /// Time left by the pace since `warm`; NaN before it is set [s].
@@ -47,7 +47,7 @@ struct BatchProgress {
 
 /// Work of a child process.
 struct SweepPart {
-    std::optional<long> only = {};  ///< this case alone; nothing: all that are not done
+    std::optional<long> only = {};  ///< number of a single case; nothing: all that are not done
     std::string crashed;            ///< reason to record the case as crashed instead of running it; empty: none
     int attempt = 0;                ///< children before this one
 };
@@ -78,7 +78,7 @@ struct BatchReport {
     std::string results_hash;
     int threads = 0;
     std::string hopeless;            ///< message with which all of the first cases failed, so that no other was begun; empty: none
-    std::string continuation_error;  ///< see RepeatedCases::text(); empty: nothing was continued, or not checked yet
+    std::string continuation_error;  ///< RepeatedCases::text() of continued cases; empty: nothing was continued, or not checked yet
     std::string steady_check;        ///< RepeatedCases::text() of cases that ran three times as long; empty: none
 };
 
@@ -146,7 +146,7 @@ private:
 
 /// Estimated cost of a sweep.
 struct BatchEstimate {
-    double seconds_per_cost = 0.0;  ///< measured on a few cases [s]
+    double seconds_per_cost = 0.0;  ///< wall time per cost, measured on a few cases [s]
     double total = 0.0;             ///< wall time of all cases of the shard on one thread [s]
     long cases = 0, bad = 0;        ///< bad: parameters that contradict each other
     int measured = 0;               ///< cases that were tried
@@ -171,7 +171,7 @@ struct MergeReport {
 /// @throws SimulationError nothing to join; shards of other sweeps, or cut in another number; engine::RecordError
 [[nodiscard]] MergeReport merge(const std::string& folder, bool partial, bool mixed = false);
 
-/// How far the sweep in a folder is: of one process, of shards or of workers, running or not.
+/// Progress of the sweep in a folder: of one process, of shards or of workers, running or not.
 struct FolderProgress {
     /// The folder itself, or that of a shard or worker.
     struct Part {

@@ -14,7 +14,7 @@ namespace cvtflow::tasks {
 
 struct Checkpoint;
 
-/// How a case ended; the column `status` has these names.
+/// End of a case; the column `status` has these names.
 enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashed, undefined, stopped, not_steady, cycle_missed };
 /// Contents of a row.
 [[nodiscard]] std::span<const std::string_view> status_names() noexcept;
@@ -35,7 +35,7 @@ struct CaseResult {
     double settled_for = 0.0;       ///< begin of the means where cases end when they are steady; NaN: none [s]
     Counters counters, settling;
     double wall = 0.0;                 ///< settling and resumed parts included [s]
-    int threads = 1;                   ///< most that worked on it at once
+    int threads = 1;                   ///< largest number that worked on it at once
     std::uint64_t hash = 0;            ///< hash of the final state
     double efficiency = 0.0;           ///< 1 - losses/input over whole pin periods since sweep.from [1]
     double residual = 0.0;             ///< residual of the energy balance over the losses, without settling
@@ -71,7 +71,7 @@ private:
     std::chrono::steady_clock::time_point asked_{};
 };
 
-/// Where a worker keeps what it must not lose, and how often.
+/// Folders in which a worker saves its work, and how often it does.
 struct CasePlaces {
     std::filesystem::path checkpoints, records, continuation;
     double checkpoint_every = 60.0;  ///< [s]
@@ -120,7 +120,7 @@ public:
     /// Writes scalars, their errors and the begin of the means. A scalar of a case that ended well must be finite.
     void write(CaseResult& result) const;
 
-    /// For checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
+    /// Memory for checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory, double time);  ///< @param time of the last output [s]
 

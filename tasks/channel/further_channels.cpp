@@ -163,8 +163,8 @@ double chain_impulse(const Instant& now, std::size_t shaft) {
 double drag(const Instant& now, std::size_t shaft) { return now.observation.drag[shaft]; }
 double drag_power(const Instant& now, std::size_t shaft) { return now.observation.drag[shaft] * now.observation.speed[shaft]; }
 double dragged(const Instant& now, std::size_t shaft) { return now.workspace.energy.input_works().drag.energy[shaft]; }
-/// Over the last pin period; the pump's powers have lasted as long. Not all that it takes is input: what the oil does on the sheaves comes
-/// back. @param overall  the drag of the shafts included
+/// Efficiency over the last pin period, with the pump's powers constant over it. Not all of the pump's power is input: the work of the oil
+/// on the sheaves comes back. @param overall with the drag of the shafts
 double efficiency_outside(const Instant& now, bool overall) {
     const double time = now.observation.time;
     const HydraulicInstant& oil = now.observation.hydraulics;

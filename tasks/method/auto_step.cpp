@@ -17,8 +17,8 @@ namespace {
 
 constexpr double forever = std::numeric_limits<double>::infinity();
 
-/// Where friction falls with the sliding speed, slip and losses of a machine of the lottery were off by 1.3 % at 1.4 us, in proportion to
-/// the step [s].
+/// Longest step where friction falls with the sliding speed: slip and losses of a machine of the lottery were off by 1.3 % at 1.4 us, in
+/// proportion to the step [s].
 constexpr double longest_with_tip_law = 0.7e-6;
 
 }  // namespace

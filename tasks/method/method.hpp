@@ -58,7 +58,7 @@ struct MethodProgram {
     /// Setting that it requires and parameters do not have; empty: none.
     std::string_view (*missing)(const model::Parameters& parameters) = [](const model::Parameters&) { return std::string_view(); };
 
-    /// Why it cannot be used with these parameters: "method 'sw2' requires detail.pins = "halves""; empty: it can.
+    /// Reason why it cannot be used with these parameters: "method 'sw2' requires detail.pins = "halves""; empty: it can.
     [[nodiscard]] std::string objection(const model::Parameters& parameters) const;
 };
 
@@ -86,7 +86,7 @@ void add_methods(const FurtherMethods& further);
 [[nodiscard]] std::vector<std::string> method_names();
 /// Whether a name is like those of methods that only the laboratory's program has.
 [[nodiscard]] bool belongs_to_laboratory(std::string_view method) noexcept;
-/// Why `method` is no method: what its family allows, or the name that was probably meant.
+/// Reason why `method` is no method: limits of its family, or the name that was probably meant.
 [[nodiscard]] std::string no_method(std::string_view method);
 
 /// A table of stages, or a program with further cycles. A name converts to its method.

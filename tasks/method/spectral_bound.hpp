@@ -1,7 +1,7 @@
 #pragma once
-/// How far the eigenvalues of the equations of motion reach at a state: the friction of contacts along the real axis, the elasticity along
-/// the imaginary one. Found by power iteration on differences of the right-hand side, with perturbations so small that no contact opens,
-/// closes or begins to slide for them: at most a nanometre per second, or ten picometres.
+/// Extent of the eigenvalues of the equations of motion at a state: the friction of contacts along the real axis, the elasticity along the
+/// imaginary one. Found by power iteration on differences of the right-hand side, with perturbations so small that no contact opens, closes
+/// or begins to slide for them: at most a nanometre per second, or ten picometres.
 
 #include <limits>
 #include <memory>

@@ -45,8 +45,8 @@ private:
 /// A plan of a ladder and how far it is stable.
 struct PolynomialRange {
     engine::CompiledPlan plan;
-    double real;       ///< along the negative real axis [1]
-    double imaginary;  ///< along the ray of damping ratio 1 %
+    double real;       ///< reach along the negative real axis
+    double imaginary;  ///< reach along the ray of damping ratio 1 %
 };
 
 /// Ascending.

@@ -64,7 +64,7 @@ struct MeanPoint {
     }
 };
 
-/// When means are steady: every error of theirs is below a tolerance. A rule without tolerance is none.
+/// Condition for steady means: all their errors are below a tolerance. Without tolerance there is no condition.
 struct SteadyRule {
     double tolerance = 0.0;    ///< relative to each mean; of the efficiency to the losses' share, at least a fiftieth [1]
     double limit = 0.0;        ///< pin periods after which a run ends that is not steady [1]
@@ -102,7 +102,7 @@ public:
     [[nodiscard]] MeanPoint instant(const MeanPoint& from) const noexcept;
     [[nodiscard]] double pin_period() const noexcept { return pin_period_; }  ///< period at the last sample [s]
 
-    /// For checkpoints: continues bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
+    /// Memory for checkpoints, bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 

@@ -75,7 +75,7 @@ struct RunReport : RunHistory {
 /// The report as lines of text for a person.
 [[nodiscard]] std::string summary(const RunReport& report);
 
-/// How far a run has come; delivered at output times.
+/// Progress of a run, delivered at output times.
 struct Progress {
     double begin, time, until;  ///< [s]; settling has begin < 0 = until
     double wall;                ///< wall time since the run began [s]

@@ -183,7 +183,7 @@ public:
     }
 
 private:
-    /// Which keys the table has. @return whether they make sense
+    /// Reads the keys of the table. @return whether they are valid
     bool keys(const Node::Table& table) {
         const std::size_t before = problems_.size();
         for (const Entry& entry : table) {

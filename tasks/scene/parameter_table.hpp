@@ -43,7 +43,7 @@ struct Parameter {
     std::vector<std::string_view> choices;  ///< words of a choice, in the order of the enumerators; the word of an AutoNumber
     Slot (*member)(Scene&);                 ///< of<&Section::name>
     std::string_view meaning;
-    std::string_view source = "model choice";  ///< where the default comes from
+    std::string_view source = "model choice";  ///< origin of the default
 
     [[nodiscard]] std::string_view section() const noexcept { return key.substr(0, key.find('.')); }
     [[nodiscard]] std::string_view name() const noexcept { return key.substr(key.find('.') + 1); }

@@ -52,7 +52,7 @@ private:
             dots_ = 0;
     }
 
-    /// To the last quote of a text, of one line or several.
+    /// Advances to the last quote of a text, of one line or several.
     void skip_text(char quote) {
         const std::string three(3, quote);
         const bool lines = text_.compare(at_, 3, three) == 0;

@@ -333,7 +333,7 @@ constexpr std::pair<std::string_view, std::string_view> unit_words[] = {
     {"deg", "degree degrees"},
 };
 
-/// Small letters, without signs and spaces: "kN*m" -> knm.
+/// Letters in lower case, without signs and spaces: "kN*m" -> knm.
 std::string plain(std::string_view symbol) {
     std::string text;
     for (const char letter : symbol)

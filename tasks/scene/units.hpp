@@ -56,7 +56,7 @@ struct DisplayUnit {
     double factor = 1.0;    ///< factor from the SI unit
 };
 
-/// How a quantity is shown whose name contains `part` ('_' for '/' and '.'); the first row that applies counts.
+/// Unit that shows a quantity whose name contains `part` ('_' for '/' and '.'); the first row that applies counts.
 struct DisplayRow {
     std::string_view si, part, shown;
     double factor;  ///< factor from the SI unit

@@ -6,7 +6,7 @@
 
 namespace cvtflow::tasks {
 
-/// Against the pace of work, in which neighbours' interference is already.
+/// Counts the loss against the pace of work, which includes interference by neighbours.
 void TrialBudget::tried(const Pace& pace, double work) noexcept { lost += pace.seconds * std::max(0.0, 1.0 - work / pace.per_cycle); }
 
 bool PaceWatch::changed(const Pace& pace, const ChooserOptions& options) noexcept {

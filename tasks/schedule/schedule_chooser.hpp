@@ -35,7 +35,7 @@ struct ChooserOptions {
     double longest_period = 30.0;   ///< … doubled up to here as long as the choice stays [s]
 };
 
-/// How a stretch of steps went.
+/// Measured pace of a series of steps.
 struct Pace {
     double seconds = 0.0;    ///< wall time, the arrival of threads included [s]
     double per_cycle = 0.0;  ///< wall time per cycle once threads have arrived [s]

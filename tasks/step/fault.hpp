@@ -1,5 +1,5 @@
 #pragma once
-/// Why a run ended before its end: values inside the graph, texts outside it.
+/// Reasons why a run ended early: values inside the graph, texts outside it.
 
 #include <optional>
 #include <string>

@@ -98,7 +98,7 @@ void add_transition_tasks(engine::TaskGraph& graph, const Workspace& workspace, 
 
 /// An assembly that a program knows beyond the product's (bench/staged).
 struct FurtherAssembly {
-    /// Not frozen. The context of its tasks is the workspace.
+    /// Makes the graph, which is not frozen. The context of its tasks is the workspace.
     engine::TaskGraph (*graph)(const Workspace& workspace, const AssemblyOptions& options);
     std::unique_ptr<AssemblyMemory> (*memory)(Workspace& workspace);
 };

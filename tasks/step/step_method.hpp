@@ -1,5 +1,5 @@
 #pragma once
-/// How one step is taken. The controller decides when a step begins, whether it is accepted and where it is cut; a step method decides
+/// The method of one step. The controller decides when a step begins, whether it is accepted and where it is cut; a step method decides
 /// which cycles of the task graph lead from the start to the result. StageMethod is the method of tables.
 
 #include <algorithm>
@@ -113,7 +113,7 @@ protected:
     [[nodiscard]] Workspace& workspace() noexcept { return w_; }
 
 private:
-    /// Where the slope at the next step's start is to be found: slope slot 0, or the last stage's.
+    /// Place of the slope at the next step's start: slope slot 0, or the last stage's.
     enum class SlopeAt { nowhere, start, last };
     static constexpr double never = -1e300;  ///< [s]
 
@@ -125,7 +125,7 @@ private:
     Workspace& w_;
     const engine::CompiledPlan* plan_;
     int error_power_;
-    double begun_ = never;  ///< when the last step began; never: no step since restart() [s]
+    double begun_ = never;  ///< begin of the last step; never: no step since restart() [s]
     SlopeAt slope_at_ = SlopeAt::nowhere;
 };
 

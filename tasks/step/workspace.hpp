@@ -71,8 +71,8 @@ struct alignas(64) SegmentResult {
 
 /// Treatment of a step in which tips are due to change their phase.
 enum class AtTransition {
-    interpolate,  ///< it is cut there: on the cubic through both ends and their slopes, of which slopes[0] must hold that at the start
-    repeat,       ///< it is taken again up to there, found by positions and velocities at both ends
+    interpolate,  ///< the step is cut on the cubic through both ends and their slopes, of which slopes[0] must hold that at the start
+    repeat,       ///< the step is repeated up to the transition, found by positions and velocities at both ends
     inside        ///< the method has changed the phases itself: nothing is searched for
 };
 
@@ -83,7 +83,7 @@ struct StepInput {
     double dwell = 0.0;            ///< minimum time between two phase changes of a tip [s]
     double search_until = 0.0;     ///< end of the proposed step; transitions are searched for up to here [s]
     engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
-    double theta = 1.0;            ///< where a truncate cycle cuts, share of the step
+    double theta = 1.0;            ///< place at which a truncate cycle cuts, share of the step
     bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links
     engine::PlanStep error_row{};  ///< row that combines the error
     ErrorScale error_scale;        ///< units of the error

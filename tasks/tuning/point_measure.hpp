@@ -28,7 +28,7 @@ struct OperatingPoint {
     bool settles = false;            ///< every choice settles from a geometric start; else all begin with the same state
 };
 
-/// How long a point is run: what a change of detail stirs up dies down before outputs count.
+/// Durations of a run at a point: a change of detail excites vibrations, which decay before outputs count.
 struct PointTimes {
     double settle = 20e-3;   ///< [s]
     double average = 16e-3;  ///< [s]
@@ -68,7 +68,7 @@ struct TuneChoice {
 /// where they roll on each other. Control and ledger are left out: they begin at zero.
 [[nodiscard]] engine::SavedState convert_state(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to);
 
-/// Until when measurements may take.
+/// Time limit of measurements.
 class Deadline {
 public:
     /// Begins a budget. seconds [s], 0: no limit
@@ -77,7 +77,7 @@ public:
         end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(seconds, 1e9)));
     }
     void clear() noexcept { limited_ = false; }
-    /// For Goal::max_wall: what is left, never quite nothing; 0: no limit [s].
+    /// Time left for Goal::max_wall, always above zero; 0: no limit [s].
     [[nodiscard]] double left() const noexcept {
         return limited_ ? std::max(1e-9, std::chrono::duration<double>(end_ - Clock::now()).count()) : 0.0;
     }

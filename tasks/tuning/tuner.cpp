@@ -149,7 +149,7 @@ PointRun run_of(const TuneChoice& choice, PointMeasure& point) {
 
 }  // namespace
 
-/// Why its errors are too large; empty if they are not.
+/// Text of an error that is too large; empty: none is.
 std::string Tuner::objection_to(const TunedChoice& candidate, const TuneResult& result) const {
     if (candidate.error() <= result.accuracy / tuning_margin) return "";
     const auto worst = std::max_element(candidate.errors.begin(), candidate.errors.end()) - candidate.errors.begin();
@@ -157,7 +157,7 @@ std::string Tuner::objection_to(const TunedChoice& candidate, const TuneResult& 
                        candidate.worst);
 }
 
-/// Until it fails at one of them.
+/// Measures a candidate at all points, until it fails at one of them.
 void Tuner::try_at_points(TunedChoice& candidate, TuneResult& result) {
     for (std::size_t i = 0; i < points_.size(); ++i) {
         if (const auto found = judged_.find(i); found != judged_.end() && !found->second) continue;

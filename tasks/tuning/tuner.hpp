@@ -23,7 +23,7 @@ struct TradeoffPoint {
     double seconds = 0.0;  ///< wall time per simulated second [1]
 };
 
-/// For each point whether it is on the front: no other has a smaller error at no more time, or less time at no larger an error.
+/// Whether each point is on the front: no other has a smaller error at no more time, or less time at no larger an error.
 [[nodiscard]] std::vector<bool> pareto_front(const std::vector<TradeoffPoint>& points);
 
 /// Safety factor: errors at an untried point may be larger than at the tried points by this factor.
@@ -34,7 +34,7 @@ inline constexpr double reference_share = 0.25;
 struct TuneSettings {
     double accuracy = 0.01;            ///< target error of every output
     std::vector<std::string> outputs;  ///< figures or scalars; none: the usual figures
-    std::vector<std::string> methods;  ///< to choose from; none: the default method and the cheapest of the catalogue
+    std::vector<std::string> methods;  ///< candidates; none: the default method and the cheapest of the catalogue
     double budget = 0.0;               ///< wall time of the search, whatever it measures then; 0: no limit [s]
     /// Rank by work alone and by the default method, so that every machine and every run chooses the same.
     bool same_everywhere = false;
@@ -46,7 +46,7 @@ struct TunedChoice {
     TuneChoice choice;
     double seconds = 0.0;        ///< processor time per simulated second, median of rounds in turns [s/s]
     double spread = 0.0;         ///< range of the rounds over their median, large on a busy machine
-    double work = 0.0;           ///< see PointRun::work [1/s]
+    double work = 0.0;           ///< PointRun::work [1/s]
     bool tried = false;          ///< measured at one point at least
     std::vector<double> errors;  ///< largest error of every output at all points tried
     std::string worst;           ///< the point with the largest error
@@ -70,7 +70,7 @@ struct TuneResult {
     double wall = 0.0;                    ///< wall time of the search [s]
 
     [[nodiscard]] long tried() const noexcept;
-    /// Why nothing was chosen: "no choice has errors times 2 within the target", or that the budget was used up, and by what.
+    /// Reason why nothing was chosen: "no choice has errors times 2 within the target", or that the budget was used up, and by what.
     [[nodiscard]] std::string why_none() const;
 };
 

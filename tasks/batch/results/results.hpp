@@ -94,7 +94,7 @@ public:
     [[nodiscard]] std::span<const std::byte> of_case(long number);
     /// results_hash() of all rows. @param change applied to every row before it is hashed
     [[nodiscard]] std::string hash(const std::function<void(std::span<std::byte>)>& change = {});
-    /// For engine::write_cases().
+    /// Writes rows for engine::write_cases().
     void fill(std::size_t first, std::span<std::byte> rows);
 
 private:

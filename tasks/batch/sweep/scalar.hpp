@@ -86,7 +86,7 @@ struct TermSum {
     [[nodiscard]] TermSum continued(const ScalarTerm& term) const;
     /// Lets an integral over time begin later, linear between two states that it had. begin [s]
     void begin_at(const ScalarTerm& term, double begin, const TermSum& before, const TermSum& after) noexcept;
-    /// Not a number if no output counted.
+    /// Value of the term; not a number if no output counted.
     [[nodiscard]] double result(const ScalarTerm& term) const;
 };
 
@@ -111,7 +111,7 @@ struct Reducer {
     /// Ready for another case.
     void clear() noexcept;
 
-    /// For checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
+    /// Memory for checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 };

@@ -59,7 +59,7 @@ public:
 private:
     /// Fields: velocities by slot; accelerations by everything but friction, of this step and of the one before (see now_); ….
     enum Own : std::size_t { state = start, base = state + kick_state_slots, first_slope = base + 2, mode, image };
-    static constexpr std::size_t mode_edges = kick_state_slots;  ///< those before are of states
+    static constexpr std::size_t mode_edges = kick_state_slots;  ///< edges before this number are of states
 
     struct Stage {
         KickRow row{};

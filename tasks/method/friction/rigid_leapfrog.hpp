@@ -82,7 +82,7 @@ class RigidLeapfrog final : public StepMethod {
 public:
     static constexpr int state_slots = 1, slope_slots = 1;
 
-    /// For parameters with rigid pins.
+    /// Requires parameters with rigid pins.
     explicit RigidLeapfrog(Workspace& workspace);
 
     [[nodiscard]] CycleSequence step() override;

@@ -87,7 +87,7 @@ public:
     /// Sweeps of a step without a step before.
     static constexpr int first_sweeps = 30;
 
-    /// For parameters with nothing missing_for_sweeps().
+    /// Requires parameters with nothing missing_for_sweeps().
     explicit SweepLeapfrog(Workspace& workspace);
 
     [[nodiscard]] CycleSequence step() override;

@@ -96,7 +96,7 @@ public:
         if (!handle_.done()) handle_.resume();
         return handle_.done() ? engine::Controller::stop : handle_.promise().cycle;
     }
-    /// Why the coroutine has ended; empty: nothing went wrong.
+    /// Fault that ended the coroutine; empty: none.
     [[nodiscard]] const Fault& fault() const noexcept { return handle_.promise().fault; }
     /// Rethrows the exception that ended the coroutine, if any.
     void rethrow() const {

@@ -1,10 +1,10 @@
 #pragma once
-/// Where the energy of an integration goes: works of the inputs, losses by kind, what is stored, and whether they agree.
+/// Energy balance of an integration: works of the inputs, losses by kind, what is stored, and whether they agree.
 ///
-/// Works are exact sums over all steps: mean input times displacement. Losses are powers of the contact and damping laws at the states
-/// that the method produced, sampled at regular intervals of steps and integrated by the trapezoidal rule. They are computed independently
-/// of the works. A method that creates or destroys energy therefore shows a residual. After a window of time whose residual could be noise
-/// of sampling alone, samples are closer in the next one. (DECISIONS 74)
+/// Works are exact sums over all steps: mean input times displacement. Losses are powers of the contact and damping laws at the states that
+/// the method produced, sampled at regular intervals of steps and integrated by the trapezoidal rule. They are computed independently of
+/// the works. A method that creates or destroys energy therefore shows a residual. After a window of time whose residual could be noise of
+/// sampling alone, samples are closer in the next one. (DECISIONS 74)
 
 #include <algorithm>
 #include <array>
@@ -65,7 +65,7 @@ struct EnergySums {
     double time = 0.0;                             ///< [s]
     std::array<double, model::loss_kinds> loss{};  ///< losses by kind [J]
     model::WorkRates work{};                       ///< works by input [J]
-    std::array<double, 2> drag{};                  ///< taken by seals, bearings and oil of the shafts before `work` [J]
+    std::array<double, 2> drag{};                  ///< energies taken by seals, bearings and oil of the shafts before `work` [J]
 
     [[nodiscard]] double lost() const noexcept;
     /// Linear between two sums, at a time between theirs. time [s]
@@ -199,7 +199,7 @@ public:
 
     [[nodiscard]] const InputWorks& input_works() const noexcept { return m_.inputs; }
 
-    /// For checkpoints: continues bitwise.
+    /// Memory for a bitwise continuation from checkpoints.
     void save(std::vector<double>& memory) const;
     /// @param memory from save()
     /// @throws std::invalid_argument for a malformed memory

@@ -226,7 +226,7 @@ void StepController::choose_step() {
     w_.step.dwell = dwell_steps * grid_.step;
 }
 
-/// To the next grid point or point of an input, in as many equal steps as the error requires.
+/// Proposes a step towards the next grid point or point of an input, in as many equal steps as the error requires.
 void StepController::propose_step() {
     const double step_end = next_step_end(w_, grid_);
     w_.step.h = step_end - w_.step.time;
