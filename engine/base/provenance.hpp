@@ -1,5 +1,5 @@
 #pragma once
-/// Where numbers come from: which program, built how, ran on what.
+/// Provenance of numbers: program, build, machine.
 
 #include <string>
 

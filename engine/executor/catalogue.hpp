@@ -46,8 +46,8 @@ void add_executors(std::span<const ExecutorRow> further);
 
 /// Whether only the laboratory's program has the executor of that name.
 [[nodiscard]] bool executor_of_laboratory(std::string_view name) noexcept;
-/// Why there is no executor of that name, as the end of a sentence: ": requires Taskflow …" for one that is absent, else the nearest name:
-/// ` (did you mean "flow"?)`, or nothing. @param others words that are accepted instead of a name
+/// Reason why there is no executor of that name, as the end of a sentence: ": requires Taskflow …" for one that is absent, else the nearest
+/// name: ` (did you mean "flow"?)`, or nothing. @param others words that are accepted instead of a name
 [[nodiscard]] std::string missing_executor(std::string_view name, std::span<const std::string_view> others = {});
 
 }  // namespace cvtflow::engine

@@ -1,6 +1,6 @@
 #pragma once
-/// Who ran what when: one ring of time stamps per thread, written without locks or allocation while an executor runs. The laboratory reads
-/// them afterwards (bench/executor/span_recorder.hpp).
+/// Time stamps of tasks: one ring per thread, written without locks or allocation while an executor runs. The laboratory reads them
+/// afterwards (bench/executor/span_recorder.hpp).
 
 #include <chrono>
 #include <cstddef>

@@ -34,7 +34,7 @@ struct Stage {
     bool operator==(const Stage&) const = default;
 };
 
-/// How far a table is stable on y' = λ y, |R(h λ)| ≤ 1 + 1e-6, and how far it is accurate there.
+/// Limits of stability of a table on y' = λ y, |R(h λ)| ≤ 1 + 1e-6, and of its accuracy there.
 struct StageReach {
     double oscillation;     ///< h |λ| on the ray of damping ratio 1e-3 [1]
     double decay;           ///< -h λ on the real axis [1]

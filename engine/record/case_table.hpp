@@ -25,7 +25,7 @@
 
 namespace cvtflow::engine {
 
-/// Where columns lie in a row of bytes.
+/// Offsets of columns in a row of bytes.
 class RowLayout {
 public:
     RowLayout() = default;

@@ -91,7 +91,7 @@ public:
     [[nodiscard]] bool due() noexcept;
     [[nodiscard]] bool due(const ProcessorUse& now) noexcept;
 
-    /// How long to stay away.
+    /// Time to stay away.
     [[nodiscard]] Milliseconds length() const noexcept { return length_; }
     /// The worker has been away and begins a new window.
     void returned(const ProcessorUse& now) noexcept;

@@ -31,7 +31,7 @@ private:
 /// second until it is final) and SIGPIPE (no reader left) unless this process was started with them ignored, as under nohup.
 [[nodiscard]] std::vector<int> ending_signals();
 
-/// How a child has ended.
+/// End of a child.
 struct ChildEnd {
     int status = 0;            ///< exit status, or 128 + signal
     int signal = 0;            ///< signal that ended it; 0: it ended by itself

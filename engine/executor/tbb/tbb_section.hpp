@@ -41,7 +41,7 @@ public:
     }
 
 protected:
-    /// Nothing: the caller's.
+    /// Arena of this section; nothing: the caller's.
     [[nodiscard]] std::optional<oneapi::tbb::task_arena>& own_arena() noexcept { return arena_; }
 
 private:
@@ -59,7 +59,7 @@ private:
         }
     }
 
-    /// More never come, and oneTBB would complain on the host's standard error.
+    /// Threads that oneTBB permits. A request for more gets no more, and a message on the host's standard error.
     [[nodiscard]] static int max_threads() {
         return static_cast<int>(oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism));
     }

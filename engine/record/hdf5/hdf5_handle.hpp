@@ -18,7 +18,7 @@ struct Failure : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// While one of these lives, this thread's HDF5 prints no error stack. Restores what the host program had set.
+/// Keeps HDF5 from printing error stacks in this thread while it lives, then restores the setting of the host program.
 class QuietErrors {
 public:
     QuietErrors() noexcept;
@@ -85,7 +85,7 @@ decltype(auto) guarded(const std::string& path, Body&& body) {
 /// Descriptor of an open file. Throws Failure.
 [[nodiscard]] int descriptor_of(hid_t file);
 
-/// For iterations: appends a name to the std::vector<std::string> behind `names`. @return HDF5's convention: 0, or -1 without memory
+/// Appends, in iterations, a name to the std::vector<std::string> behind `names`. @return HDF5's convention: 0, or -1 without memory
 [[nodiscard]] herr_t note_name(const char* name, void* names) noexcept;
 
 /// Diverts further writes of a file to memory, so that closing succeeds and the file stays as it was at the first failed write. Otherwise

@@ -120,7 +120,7 @@ public:
 
     [[nodiscard]] std::size_t buffered() const noexcept { return buffered_; }
     [[nodiscard]] std::size_t written() const noexcept { return written_; }
-    /// How much write() may make the file grow [byte]; 0 if nothing is buffered.
+    /// Largest growth of the file by write() [byte]; 0 if nothing is buffered.
     [[nodiscard]] std::size_t growth() const noexcept;
 
 private:

@@ -25,8 +25,7 @@ struct RowsWritten {
     bool operator==(const RowsWritten&) const = default;
 };
 
-/// How much of a record had been written at a checkpoint, and what. A record that is not finished has no seal: this is what it is compared
-/// with.
+/// Number and checksums of the rows at a checkpoint, to recognise an unfinished record, which has no seal.
 struct RecordPosition {
     RowsWritten channels;
     RowsWritten states;

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t head_bytes = 4096, superblock_bytes = 48;  ///< sizes in version 3
 
-/// Up to 4 KiB of a file; empty if it cannot be read.
+/// The first 4 KiB of a file; empty if it cannot be read.
 std::string head_of(const std::string& path) {
     std::string head(head_bytes, '\0');
     try {

@@ -54,7 +54,7 @@ struct RunFile::Impl {
     std::chrono::steady_clock::time_point last_flush = std::chrono::steady_clock::now();
     std::vector<Attribute> late_attributes;
     std::string status;
-    std::string damage;  ///< why HDF5 failed; nothing is written any more
+    std::string damage;  ///< reason why HDF5 failed; nothing is written any more
 
     Impl(const Permit& permit, RunContents what, RunFileOptions how) : part(permit), contents(std::move(what)), options(how) {
         try {
