@@ -78,8 +78,8 @@ private:
     double interval_ = 0.0;                                           ///< [s]
     long outputs_ = 0;                                                ///< the next one is due at outputs_ * interval_
     std::shared_ptr<const std::function<void(Simulation&, const Transition&)>> transition_;
-    std::vector<Transition> transitions_;  ///< not delivered yet
-    std::vector<Transition> happened_;     ///< being delivered
+    std::vector<Transition> transitions_;  ///< transitions not delivered yet
+    std::vector<Transition> happened_;     ///< transitions in delivery
 };
 
 /// @throws Error (argument) for a number of threads below min or above 1024

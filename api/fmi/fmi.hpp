@@ -84,7 +84,7 @@ public:
     [[nodiscard]] Snapshot snapshot();
     /// @throws Error (state); nothing has changed then
     void restore(const Snapshot& snapshot);
-    /// Inside a step the time of the callback [s].
+    /// Present time; inside a step, the time of the callback [s].
     [[nodiscard]] double now() const noexcept { return now_; }
     /// Whether the energy balance does not close, so that results are wrong.
     [[nodiscard]] bool unreliable() { return !simulation().energy().reliable; }

@@ -13,7 +13,7 @@
 
 namespace cvtflow::api {
 
-/// Round to nearest, denormals kept, traps off; on destruction the host's environment as it was, its exception flags included.
+/// Sets round to nearest, denormals kept, traps off; restores the host's environment on destruction, exception flags included.
 class FloatingDefaults {
 public:
     FloatingDefaults() noexcept { enter(); }
