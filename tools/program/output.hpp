@@ -21,7 +21,7 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 /// "run_0.1.html".
 [[nodiscard]] std::string beside(const std::string& file, std::string_view ending);
 
-/// Where a picture or page of some input is written: the file that the user names, else `inside` a folder, or beside a file.
+/// Path of the picture or page of an input: the file that the user names, else `inside` a folder, or beside a file.
 /// @param inside "plot.svg"
 [[nodiscard]] std::string picture_path(const std::string& named, const std::string& input, const char* inside);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Shared by cvtflow and cvtflow-lab: commands, arguments, help, exit status; and the commands of cvtflow.
+/// Commands, arguments, help and exit status, which cvtflow and cvtflow-lab share; and the commands of cvtflow.
 
 #include <functional>
 #include <span>

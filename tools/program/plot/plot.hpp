@@ -8,7 +8,7 @@
 
 namespace cvtflow::tools {
 
-/// How an axis places its values.
+/// Spacing of values along an axis.
 enum class Scale {
     linear,
     logarithmic,  ///< decades; values ≤ 0 are left out

@@ -48,7 +48,7 @@ private:
 /// Executors that this build lacks, and their requirements; empty if none is missing.
 [[nodiscard]] std::string absent_executor_text();
 
-/// How a quantity is shown.
+/// Label and unit that show a quantity.
 struct Shown {
     std::string label;    ///< "slip [%]", "tight tension [N]"
     double factor = 1.0;  ///< factor from the unit of the record to that of the label

@@ -162,7 +162,7 @@ std::vector<FmuSystem> fmu_systems() {
     return systems;
 }
 
-/// Why the FMU is for Linux only; empty: it is for both. A library for Windows that is older than that for Linux may be of other sources.
+/// Reason why the FMU is for Linux only; empty: it is for both. A library for Windows that is older than that for Linux is left out.
 std::string no_windows(const std::vector<FmuSystem>& systems) {
     if (systems[1].file.empty()) return "no cvtflow_fmu.dll: docs/fmi.md";
     if (fs::last_write_time(systems[1].file) >= fs::last_write_time(systems[0].file)) return "";

@@ -183,7 +183,7 @@ bool pause() {
     return catch_interrupts().requested();
 }
 
-/// One of several processes that share the cases of a sweep. Each ends when all cases are done; the first one then merges their tables.
+/// Runs one of several processes that share a sweep's cases. Each ends when all cases are done; the first one then merges their tables.
 ExitStatus run_worker(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, SweepOutput output) {
     const std::vector<std::string> retry = std::exchange(options.retry, {});  // of the merged table
     for (tasks::WorkerPlaces places(tuned.sweep, options.folder); !places.done();) {
