@@ -127,7 +127,7 @@ struct Recording::Impl final : public tasks::RunObserver {
         next = std::floor(number) + 1.0;
         api::translated(ErrorCode::record, [&] { recorder.output(time, workspace, counters); });
     }
-    /// Between outputs only for means (record.means).
+    /// Whether a sample is due between outputs: only for means (record.means).
     [[nodiscard]] bool samples(double time) const noexcept override {
         return scene.run.means && !simulation.simulation().needs_settling() && recorder.samples(time);
     }

@@ -128,7 +128,7 @@ inline namespace v0 {
 
 namespace {
 
-/// Who runs a simulation: one thread needs no executor but the plain loop.
+/// Schedule of a simulation: one thread needs no executor but the plain loop.
 [[nodiscard]] tasks::Schedule schedule_of(const tasks::Scene& scene, Threads threads, int segments) {
     const int links = tasks::max_segments(scene.parameters);
     api::require_threads(threads.count(), threads.way() == Threads::Way::private_arena ? 0 : 1);

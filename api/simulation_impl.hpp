@@ -32,15 +32,15 @@ public:
     [[nodiscard]] const tasks::Channel& row(std::size_t index) const;
     [[nodiscard]] std::size_t find(std::string_view name) const;    ///< @throws Error (argument)
     [[nodiscard]] std::span<const double> read(std::size_t index);  ///< @throws Error (argument)
-    /// After every change of the simulation.
+    /// Discards the observation. Called after every change of the simulation.
     void changed() noexcept { observation_ = nullptr; }
 
 private:
     const tasks::Simulation& simulation_;
     const int followed_pin_;
     model::Observer observer_;
-    const model::Observation* observation_ = nullptr;  ///< of the present state; nullptr: not made yet
-    bool chain_observed_ = false;                      ///< it is not of the shafts alone
+    const model::Observation* observation_ = nullptr;  ///< observation of the present state; nullptr: none yet
+    bool chain_observed_ = false;                      ///< the observation includes the chain
     std::vector<const tasks::Channel*> rows_;
     std::vector<std::vector<double>> values_;  ///< [channel][width]
 };
@@ -78,8 +78,8 @@ private:
     double interval_ = 0.0;                                           ///< [s]
     long outputs_ = 0;                                                ///< the next one is due at outputs_ * interval_
     std::shared_ptr<const std::function<void(Simulation&, const Transition&)>> transition_;
-    std::vector<Transition> transitions_;  ///< not delivered yet
-    std::vector<Transition> happened_;     ///< being delivered
+    std::vector<Transition> transitions_;  ///< transitions not delivered yet
+    std::vector<Transition> happened_;     ///< transitions in delivery
 };
 
 /// @throws Error (argument) for a number of threads below min or above 1024
@@ -110,7 +110,7 @@ private:
 
 class Simulation::Impl final {
 public:
-    /// @param start to begin in, instead of the scene's; nullptr: the scene's
+    /// @param start replaces the start of the scene; nullptr: none
     Impl(const Scene& scene, Threads threads, int segments, const model::StartState* start = nullptr);
 
     /// A stay inside the simulation: alone, or (for what callbacks may do) as the thread that is inside already.
@@ -137,7 +137,7 @@ public:
 
     /// Frees a simulation, or leaves that to the call under way if its callback does this.
     static void end(std::unique_ptr<Impl> impl) noexcept;
-    /// Into another object.
+    /// Notes that the object was moved.
     void moved() noexcept { abandoned_ |= entry_.mine(); }
     [[nodiscard]] std::unique_ptr<Impl> copy();
     void advance(Simulation& self, double until, long steps);  ///< until [s]
@@ -159,17 +159,16 @@ private:
     int segments_;
     tasks::Schedule schedule_;
     tasks::Simulation simulation_;
-    std::optional<tasks::PlainSlope> slope_;  ///< of rhs(), from its first call on
+    std::optional<tasks::PlainSlope> slope_;  ///< slope for rhs(), from its first call on
     api::ChannelReader channels_;
     api::HostCallbacks callbacks_;
     std::vector<std::string> start_differences_;  ///< tasks::Simulation::start_differences() at the start of this one or what it copies
     engine::ReentryGuard entry_;
     engine::Cancellation cancel_;
-    bool abandoned_ = false;  ///< the object that calls back was destroyed or moved by its callback
-    bool ended_ = false;      ///< to be freed by the call under way
-    double last_stop_ =
-        std::numeric_limits<double>::infinity();  ///< of the last advance(); infinity: it took one step, or there was none [s]
-    long process_ = 0;                            ///< in which it first ran on threads; 0: it has not
+    bool abandoned_ = false;                                      ///< the object that calls back was destroyed or moved by its callback
+    bool ended_ = false;                                          ///< the call under way frees this
+    double last_stop_ = std::numeric_limits<double>::infinity();  ///< goal of the last advance(); infinity: one step, or none yet [s]
+    long process_ = 0;                                            ///< process in which it first ran on threads; 0: none yet
 };
 
 }  // namespace v0

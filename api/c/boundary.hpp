@@ -20,7 +20,7 @@ struct cvtflow_simulation {
     cvtflow_log_function log = nullptr;
     void* log_user = nullptr;
     std::vector<std::string> logged{};  ///< notices that the log has seen
-    cvtflow::engine::LifeCount life{};  ///< of its owner, and of calls that may call back
+    cvtflow::engine::LifeCount life{};  ///< count of the owner and of calls that may call back
 };
 
 struct cvtflow_record {

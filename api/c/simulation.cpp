@@ -21,7 +21,7 @@ cvtflow_code act(Handle* simulation, cvtflow_message* message, Action&& action) 
     return api::guarded(message, [&] { action(api::given(simulation, "simulation").simulation); });
 }
 
-/// Every function that only asks and cannot fail answers for NULL as for nothing.
+/// Answer to a question that cannot fail; `nothing` for NULL.
 template <class T, class Question>
 T ask(const cvtflow_simulation* simulation, T nothing, Question&& question) noexcept {
     try {

@@ -1,7 +1,7 @@
 #pragma once
-/// An instance of an FMU without the standard's types, what both versions of the standard ask for; types of the Functional Mock-up
-/// Interface, versions 2.0 and 3.0 (co-simulation), as the standard has them, and a wall that no exception passes. That signatures agree
-/// with the standard's own headers is a test.
+/// An instance of an FMU without the standard's types, and functions that both versions of the standard have; types of the Functional
+/// Mock-up Interface, versions 2.0 and 3.0 (co-simulation); and a wall that no exception passes. A test compares the signatures with the
+/// headers of the standard.
 
 #include <cstddef>
 #include <cstdint>
@@ -35,7 +35,7 @@ struct Variable {
     std::string name;
 };
 
-/// By value reference, as the FMU's description numbers them: a text file in its resources, a line each, written by `cvtflow export-fmu`.
+/// Variables by value reference, as in the FMU's description: a text file in its resources, a line each, written by `cvtflow export-fmu`.
 ///
 ///     0 time 1 time
 ///     1 input 1 load_torque
@@ -47,7 +47,7 @@ using Variables = std::map<std::uint32_t, Variable>;
 
 /// Everything that a later instance of the same FMU needs for a bitwise continuation.
 struct Snapshot {
-    std::map<std::string, double> parameters;  ///< that differ from the scene's
+    std::map<std::string, double> parameters;  ///< parameters that differ from the scene's
     double start = 0.0, now = 0.0;             ///< communication points [s]
     bool ready = false;                        ///< the initialisation is over
     State state;
@@ -84,7 +84,7 @@ public:
     [[nodiscard]] Snapshot snapshot();
     /// @throws Error (state); nothing has changed then
     void restore(const Snapshot& snapshot);
-    /// Inside a step the time of the callback [s].
+    /// Present time; inside a step, the time of the callback [s].
     [[nodiscard]] double now() const noexcept { return now_; }
     /// Whether the energy balance does not close, so that results are wrong.
     [[nodiscard]] bool unreliable() { return !simulation().energy().reliable; }
@@ -96,7 +96,7 @@ private:
     [[nodiscard]] Simulation& simulation();
     [[nodiscard]] Simulation made(const std::map<std::string, double>& parameters) const;
     void require_step(double begin, double length) const;
-    [[nodiscard]] double number(const std::string& key) const;  ///< of the scene
+    [[nodiscard]] double number(const std::string& key) const;  ///< value of a key in the scene
     [[nodiscard]] double parameter(const std::string& key) const;
 
     std::string resources_;
@@ -118,8 +118,8 @@ struct Component {
     std::function<void(int status, const char* category, const char* message)> log;
     Instance instance;
     Stage stage = Stage::instantiated;
-    std::vector<double> found;  ///< by get_values(), kept from call to call
-    bool freed = false;         ///< by a callback of the step that has not ended
+    std::vector<double> found;  ///< memory of get_values(), kept from call to call
+    bool freed = false;         ///< a callback of the step under way has freed the instance
 
     Component(std::string called, bool logs, std::string resources)
         : name(std::move(called)), logging(logs), instance(std::move(resources)) {}
@@ -201,7 +201,7 @@ int between_steps(void* component, const char* function, Action&& action) noexce
 
 // Functions that both versions of the standard have, with arguments as the importer gives them, NULL included.
 
-/// In a callback of a step: at the end of that step.
+/// Frees the instance; in a callback of a step, at the end of that step.
 void free_instance(void* component) noexcept;
 int finish_initialisation(void* component) noexcept;
 int terminate(void* component) noexcept;
@@ -220,7 +220,7 @@ int read_state(void* component, const void* bytes, std::size_t size, void** stat
 int set_logging(void* component, bool on, std::size_t count, const char* const* categories) noexcept;
 /// Instance::step(). @return a warning, with lines in the log, if the results have become unreliable in it, else OK
 int advance(Component& self, double begin, double length, const Intermediate& intermediate);
-/// For functions of the standard that this FMU does not offer.
+/// Reports a function of the standard that this FMU does not offer.
 int not_offered(void* component, const char* function) noexcept;
 
 }  // namespace cvtflow::fmi

@@ -238,7 +238,7 @@ std::vector<std::byte> Snapshot::bytes() const {
         for (const char letter : key) add(bytes, letter);
         add(bytes, value);
     }
-    add(bytes, engine::Hash().add(std::span<const std::byte>(bytes)).value());  // the state has its own
+    add(bytes, engine::Hash().add(std::span<const std::byte>(bytes)).value());  // the state has a checksum
     bytes.insert(bytes.end(), state.bytes().begin(), state.bytes().end());
     return bytes;
 }

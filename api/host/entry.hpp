@@ -13,7 +13,7 @@
 
 namespace cvtflow::api {
 
-/// Round to nearest, denormals kept, traps off; on destruction the host's environment as it was, its exception flags included.
+/// Sets round to nearest, denormals kept, traps off; restores the host's environment on destruction, exception flags included.
 class FloatingDefaults {
 public:
     FloatingDefaults() noexcept { enter(); }
@@ -43,7 +43,7 @@ private:
     std::fenv_t found_;
 };
 
-/// The public code with the name of a fault; kinds without one of their own are other_fault.
+/// The public code with the name of a fault; kinds without a code are other_fault.
 [[nodiscard]] ErrorCode code_of(const tasks::Fault& fault);
 
 /// Rethrows the exception in flight as an Error: one of ours stays, lack of memory is memory, anything else is `otherwise`.

@@ -87,7 +87,7 @@ private:
     UnreadBytes bytes_;
 };
 
-/// Every field once, for writing and reading alike.
+/// Visits every field once, for writing and reading alike.
 template <class Stream, class Number, class Held, class Integration>
 void visit(Stream& stream, Number& fingerprint, Held& held, Integration& integration) {
     stream(fingerprint);

@@ -19,7 +19,7 @@
 namespace cvtflow::api {
 
 struct StateRecord {
-    std::uint64_t fingerprint = 0;  ///< of the scene: what must agree for a state to fit
+    std::uint64_t fingerprint = 0;  ///< hash of the scene, equal if the state fits
     model::HeldInputs held;
     tasks::IntegrationState integration;
 };
@@ -41,7 +41,7 @@ public:
     /// @param truncated message of the error where they end too early
     UnreadBytes(std::span<const std::byte> rest, const char* truncated) : rest_(rest), truncated_(truncated) {}
 
-    /// The next ones. @throws Error (state)
+    /// The next `size` bytes. @throws Error (state)
     [[nodiscard]] std::span<const std::byte> take(std::size_t size) {
         if (rest_.size() < size) throw Error(ErrorCode::state, truncated_);
         const auto taken = rest_.first(size);

@@ -12,7 +12,7 @@ namespace {
 constexpr int last_code = 99;
 constexpr int first_fault = static_cast<int>(ErrorCode::non_finite);
 
-/// By code; they live as long as the interpreter.
+/// Exception classes by code; they live as long as the interpreter.
 std::map<int, PyObject*>& classes() {
     static std::map<int, PyObject*> rows;
     return rows;

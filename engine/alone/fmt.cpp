@@ -1,4 +1,4 @@
-/// fmt's own code, so that the core library needs no library of that name.
+/// The code of fmt, so that the core library needs no library of that name.
 
 #include <fmt/format-inl.h>
 

@@ -38,8 +38,8 @@ namespace {
 
 constexpr std::uint64_t odd_factor = 0x9e3779b97f4a7c15ULL;  // 2^64 / golden ratio
 
-/// One to one in each argument while the other is held: what changes one word changes the result.
-/// The shift spreads high bits, which a product alone leaves where they are.
+/// Bijective in each argument for a fixed other one: a change of one word changes the result. The shift spreads high bits, which a product
+/// alone leaves where they are.
 std::uint64_t chained(std::uint64_t chain, std::uint64_t word) noexcept {
     const std::uint64_t mixed = chain ^ word;
     return std::rotl((mixed ^ (mixed >> 32U)) * odd_factor, 29);

@@ -50,7 +50,7 @@ private:
     void block(const std::byte* words) noexcept;
 
     std::array<std::uint64_t, 4> chains_{1, 2, 3, 4};
-    std::array<std::byte, 32> rest_{};  ///< what does not fill a block yet, then zeros
+    std::array<std::byte, 32> rest_{};  ///< bytes that do not fill a block yet, then zeros
     std::size_t held_ = 0;
     std::uint64_t size_ = 0;
 };

@@ -16,7 +16,7 @@ namespace cvtflow::engine {
 
 namespace {
 
-constexpr long system_of_pipes = 0x50495045;  ///< where Linux keeps them (PIPEFS_MAGIC)
+constexpr long system_of_pipes = 0x50495045;  ///< file system of pipes in Linux (PIPEFS_MAGIC)
 
 [[noreturn]] void fail(int reason) { throw InputError(std::strerror(reason)); }
 

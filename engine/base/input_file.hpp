@@ -39,11 +39,11 @@ private:
 /// A regular file, open for reading.
 class InputFile {
 public:
-    /// Never waits. @throws InputError
+    /// Opens the file without waiting. @throws InputError
     explicit InputFile(const std::string& path);
 
     [[nodiscard]] int descriptor() const noexcept { return descriptor_.number(); }
-    /// When it was opened [byte].
+    /// Size when the file was opened [byte].
     [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
     /// Whether a descriptor is open on the same file.
     [[nodiscard]] bool same_as(int descriptor) const noexcept;

@@ -1,12 +1,12 @@
 #pragma once
-/// Where numbers come from: which program, built how, ran on what.
+/// Provenance of numbers: program, build, machine.
 
 #include <string>
 
 namespace cvtflow::engine {
 
 struct Provenance {
-    std::string version;          ///< of cvtflow, "0.2.0"
+    std::string version;          ///< version of cvtflow, "0.2.0"
     std::string commit;           ///< `git describe --always --dirty` when the build was configured, or "unknown"
     std::string compiler;         ///< "GNU 12.2.0"
     std::string build_type;       ///< "Release"

@@ -85,7 +85,7 @@ Character first_of(std::string_view text) {
 
 bool is_control(std::uint32_t code) { return code < 0x20 || (code >= 0x7f && code < 0xa0); }
 
-/// Why a character cannot be in a text that XML 1.0 holds; empty: it can.
+/// Reason why a character cannot be in a text of XML 1.0; empty: it can.
 std::string objection(const Character& character, bool lines) {
     if (character.bytes == 0) return "contains bytes that are not UTF-8";
     if (lines && (character.code == '\n' || character.code == '\t' || character.code == '\r')) return "";

@@ -13,7 +13,7 @@
 
 namespace cvtflow::engine {
 
-/// what(), which our own exceptions make for users; of the standard library's: "PATH: reason" for a failure of std::filesystem, and for
+/// what(), which our exceptions make for users; of the standard library's: "PATH: reason" for a failure of std::filesystem, and for
 /// those that only a mistake of this program's can cause (an index out of range, an empty variant) that it is one.
 [[nodiscard]] std::string error_text(const std::exception& error);
 

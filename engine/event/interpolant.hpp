@@ -24,9 +24,8 @@ struct Interpolant {
 };
 
 struct Crossing {
-    double theta;  ///< the sign is the new one here, and the old one not further than the tolerance before it; place within the step, 0 to
-                   ///< 1 [1]
-    int evaluations;  ///< of the gap function
+    double theta;     ///< place in the step, 0 to 1, with the new sign; the old one is at most the tolerance before it
+    int evaluations;  ///< evaluations of the gap function
 };
 
 /// Smallest n with 2^n ≥ x ≥ 1, without a logarithm, which near a power of two is not the same on every processor. x [1]

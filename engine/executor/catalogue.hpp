@@ -1,6 +1,6 @@
 #pragma once
-/// The executors that programs use: one row each in catalogue.cpp and threaded_executors.cpp. A program may add rows of its own, as the
-/// laboratory does (bench/executor).
+/// The executors that programs use: one row each in catalogue.cpp and threaded_executors.cpp. A program may add rows, as the laboratory
+/// does (bench/executor).
 
 #include <memory>
 #include <span>
@@ -24,7 +24,7 @@ struct ExecutorRow {
     std::string_view description;  ///< one line for users
     bool parallel;                 ///< whether more than one thread is of use
     Waiting waiting;
-    std::string_view needs = {};  ///< what has to be found when the program is built; empty: nothing that it does not need anyway
+    std::string_view needs = {};  ///< further requirements at build time; empty: none
     /// nullptr: what it needs was not found.
     /// @throws std::invalid_argument for less than one thread or a recorder with fewer tracks than threads
     std::unique_ptr<Executor> (*make)(const ExecutorOptions& options);
@@ -46,8 +46,8 @@ void add_executors(std::span<const ExecutorRow> further);
 
 /// Whether only the laboratory's program has the executor of that name.
 [[nodiscard]] bool executor_of_laboratory(std::string_view name) noexcept;
-/// Why there is no executor of that name, as the end of a sentence: ": requires Taskflow …" for one that is absent, else the nearest name:
-/// ` (did you mean "flow"?)`, or nothing. @param others words that are accepted instead of a name
+/// Reason why there is no executor of that name, as the end of a sentence: ": requires Taskflow …" for one that is absent, else the nearest
+/// name: ` (did you mean "flow"?)`, or nothing. @param others words that are accepted instead of a name
 [[nodiscard]] std::string missing_executor(std::string_view name, std::span<const std::string_view> others = {});
 
 }  // namespace cvtflow::engine

@@ -34,7 +34,7 @@ public:
     /// Releases worker threads between runs; the next run creates them again. Called by the thread that called run().
     virtual void release_threads() noexcept {}
 
-    /// As in the catalogue.
+    /// Name in the catalogue.
     [[nodiscard]] virtual std::string_view name() const noexcept = 0;
 
 protected:

@@ -1,5 +1,5 @@
 #pragma once
-/// One Executor::run() as the executors see it: which cycle is next, and how a task is run. Private to this folder.
+/// One Executor::run() as the executors see it: the next cycle, and the call of a task. Private to this folder.
 
 #include <cstddef>
 #include <span>

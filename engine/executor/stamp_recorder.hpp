@@ -1,6 +1,6 @@
 #pragma once
-/// Who ran what when: one ring of time stamps per thread, written without locks or allocation while an executor runs. The laboratory reads
-/// them afterwards (bench/executor/span_recorder.hpp).
+/// Time stamps of tasks: one ring per thread, written without locks or allocation while an executor runs. The laboratory reads them
+/// afterwards (bench/executor/span_recorder.hpp).
 
 #include <chrono>
 #include <cstddef>
@@ -22,10 +22,10 @@ namespace cvtflow::engine {
 
 /// Meaning of a span that is not a task; tasks are ≥ 0.
 enum SpanCode : int {
-    span_wait = -1,        ///< between two others of the same thread and run
+    span_wait = -1,        ///< time between two other spans of the same thread and run
     span_controller = -2,  ///< Controller::next()
-    span_enter = -3,       ///< from the beginning of run() to the thread's first task
-    span_exit = -4,        ///< from the thread's last task to the end of run()
+    span_enter = -3,       ///< time from the beginning of run() to the thread's first task
+    span_exit = -4,        ///< time from the thread's last task to the end of run()
 };
 
 class StampRecorder {

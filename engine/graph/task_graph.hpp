@@ -52,7 +52,7 @@ struct Task {
     TaskCode code{};
     int item = 0;  ///< handed to the body, e.g. the segment number
     std::vector<Access> accesses;
-    std::string stage{};  ///< what profiles sum its time up under; empty: its name without a number
+    std::string stage{};  ///< heading in profiles; empty: the name without a number
 
     /// "force[3]" → "force".
     [[nodiscard]] std::string stem() const { return name.substr(0, name.find('[')); }

@@ -1,5 +1,5 @@
 #pragma once
-/// The tables of stages this program knows. The product's are those that scenes need; a program that compares methods adds its own, as the
+/// The tables of stages this program knows. The product's are those that scenes need; a program that compares methods adds others, as the
 /// laboratory does (bench/method).
 
 #include <optional>
@@ -10,10 +10,10 @@
 
 namespace cvtflow::engine {
 
-/// All of them that have been made, each under a name of its own.
+/// All tables that have been made; names are unique.
 [[nodiscard]] std::span<const StagePlan> methods();
 
-/// The one of that name among them, or nullptr. The pointer stays valid for the program's life.
+/// The table of that name, or nullptr. The pointer stays valid for the program's life.
 [[nodiscard]] const StagePlan* find_method(std::string_view name);
 
 /// Methods whose names carry parameters.
@@ -25,19 +25,19 @@ struct MethodFamily {
     std::optional<StagePlan> (*make)(std::string_view name);
 };
 
-/// All of them; methods() holds some examples of each. The product has none.
+/// All families; methods() holds some examples of each. The product has none.
 [[nodiscard]] std::span<const MethodFamily> method_families();
 /// The family that a name belongs to by its first part, whether or not its parameters make sense; nullptr if to none.
 [[nodiscard]] const MethodFamily* family_of(std::string_view name);
 
-/// As find_method(), by value, and any name of a family, e.g. rkc-s37-e10.
+/// Copy of find_method(), or a member of a family, e.g. rkc-s37-e10.
 [[nodiscard]] std::optional<StagePlan> make_method(std::string_view name);
 
 /// Methods that a program adds to those of the product. Both functions are called at the first call of methods(), because families compute
 /// their examples.
 struct FurtherTables {
-    std::vector<StagePlan> (*tables)();    ///< of numbers, cheap to make
-    std::vector<StagePlan> (*examples)();  ///< of the families
+    std::vector<StagePlan> (*tables)();    ///< tables of numbers, cheap to make
+    std::vector<StagePlan> (*examples)();  ///< examples of the families
     std::span<const MethodFamily> families;
 };
 /// Adds them, once per process, before anything else asks the catalogue.

@@ -32,7 +32,7 @@ public:
     /// @param stage 0 … stages() - 1
     [[nodiscard]] PlanStep stage(int stage) const noexcept { return step(stage); }
     [[nodiscard]] PlanStep result() const noexcept { return step(stages()); }
-    /// Only if has_error().
+    /// Requires has_error().
     [[nodiscard]] PlanStep error() const noexcept { return step(stages() + 1); }
 
     /// The plan with chained states unrolled, as of a Butcher tableau: each row less y, over h times the slopes of the stages. Stages,
@@ -46,7 +46,7 @@ private:
         int end;
         int keep;
         int slope;
-        double time;  ///< as above [1]
+        double time;  ///< PlanStep::time
     };
 
     [[nodiscard]] PlanStep step(int row) const noexcept;
@@ -61,7 +61,7 @@ private:
     bool last_is_result_;
 };
 
-/// Where the slots of a step lie: arrays of pointers to whole state vectors.
+/// Slots of a step: arrays of pointers to whole state vectors.
 struct SlotView {
     const double* const* states;  ///< [state slot] → y [state]
     const double* const* slopes;  ///< [slope slot] → y' [state/s]

@@ -15,8 +15,8 @@ inline constexpr int dumka3_polynomials = 14;
 /// |R| ≤ 1 on [-dumka3_reach, 0] [1]. @throws std::out_of_range unless 0 ≤ polynomial < dumka3_polynomials
 [[nodiscard]] double dumka3_reach(int polynomial);
 
-/// As a plan, "dumka3-p5": s - 3 chained Euler steps, then a finish of two stages that carries the complex pair of roots, then one Euler
-/// step. Two state slots and two slope slots take turns along the chain, whatever the degree; the finish needs two slopes more. The error
+/// Plan "dumka3-p5": s - 3 chained Euler steps, then a finish of two stages that carries the complex pair of roots, then one Euler step.
+/// Two state slots and two slope slots take turns along the chain, whatever the degree; the finish needs two slopes more. The error
 /// estimate is that of his program: h (c3/2 (f1 - f3) + (c4 - c2)/2 (f2 - f0)) of the finish.
 /// @throws std::out_of_range as dumka3_reach()
 [[nodiscard]] StagePlan dumka3(int polynomial);

@@ -34,7 +34,7 @@ struct Stage {
     bool operator==(const Stage&) const = default;
 };
 
-/// How far a table is stable on y' = λ y, |R(h λ)| ≤ 1 + 1e-6, and how far it is accurate there.
+/// Limits of stability of a table on y' = λ y, |R(h λ)| ≤ 1 + 1e-6, and of its accuracy there.
 struct StageReach {
     double oscillation;     ///< h |λ| on the ray of damping ratio 1e-3 [1]
     double decay;           ///< -h λ on the real axis [1]
@@ -44,7 +44,7 @@ struct StageReach {
 };
 
 struct StagePlan {
-    std::string name;         ///< as in scenes and on the command line
+    std::string name;         ///< name in scenes and on the command line
     std::string description;  ///< one line for users
     std::string source;       ///< paper
     int state_slots = 1;      ///< slot 0 included
@@ -52,8 +52,8 @@ struct StagePlan {
     std::vector<Stage> stages;
     Combination result;
     std::optional<Combination> error;      ///< local error estimate y - ŷ
-    int order = 0;                         ///< of the result
-    int embedded_order = 0;                ///< of ŷ; 0 without an error estimate
+    int order = 0;                         ///< order of the result
+    int embedded_order = 0;                ///< order of ŷ; 0 without an error estimate
     std::optional<StageReach> reach = {};  ///< nullopt: has yet to be derived
 };
 

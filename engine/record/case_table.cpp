@@ -110,7 +110,7 @@ constexpr const char* cases_format = "cvtflow cases";
 constexpr std::int64_t cases_version = 1;
 constexpr std::size_t rows_per_chunk = 64;
 constexpr std::size_t rows_per_write = 16 * rows_per_chunk;
-constexpr std::size_t spare_bytes = 65536;  ///< kept free beyond every write, for HDF5's own tables
+constexpr std::size_t spare_bytes = 65536;  ///< kept free beyond every write, for HDF5's tables
 
 hdf5::Handle row_type(const RowLayout& layout) {
     hdf5::Handle type(H5Tcreate(H5T_COMPOUND, layout.bytes()), H5Tclose, "cannot make a type");
@@ -331,7 +331,7 @@ std::unique_ptr<FolderLock> FolderLock::if_free(const std::string& folder) {
 namespace {
 
 constexpr std::size_t claim_bytes = 8 + 1 + 12 + 1 + 12 + 1;
-constexpr int claim_attempts = 30'000;  ///< of 2 ms: a claim takes far less than a minute, also on a slow shared folder
+constexpr int claim_attempts = 30'000;  ///< attempts, 2 ms each: a claim takes far less than a minute, also on a slow shared folder
 constexpr long claims_of_rest = 256;
 
 /// Claims up to a line that a power cut has torn, of which pages may be missing; the cases behind it are unclaimed.

@@ -25,7 +25,7 @@
 
 namespace cvtflow::engine {
 
-/// Where columns lie in a row of bytes.
+/// Offsets of columns in a row of bytes.
 class RowLayout {
 public:
     RowLayout() = default;
@@ -63,7 +63,7 @@ private:
 /// A table in memory.
 struct CaseTable {
     RowLayout layout;
-    std::vector<Attribute> attributes;  ///< without format and format_version; with status
+    std::vector<Attribute> attributes;  ///< attributes and status; without format and format_version
     std::vector<std::byte> rows;
 
     [[nodiscard]] std::size_t size() const noexcept { return layout.bytes() == 0 ? 0 : rows.size() / layout.bytes(); }
@@ -97,7 +97,7 @@ private:
     std::size_t size_ = 0;
 };
 
-/// All of a table. Errors as above.
+/// All rows of a table. Errors as above.
 [[nodiscard]] CaseTable read_cases(const std::string& path);
 
 /// Writes a finished table atomically: readers see the former file or the new one. Errors (RecordError).

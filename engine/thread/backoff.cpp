@@ -65,7 +65,7 @@ bool ContentionBackoff::due() noexcept { return wall_now() - begin_.wall >= wind
 
 bool ContentionBackoff::due(const ProcessorUse& now) noexcept {
     const nanoseconds wall = now.wall - begin_.wall, lost = wall - (now.processor - begin_.processor);
-    const bool pushed = now.taken_away > begin_.taken_away;  // a thread that slept of its own will lost nothing
+    const bool pushed = now.taken_away > begin_.taken_away;  // a thread that slept lost nothing
     begin_ = now;
     if (pushed && lost > wall / 4) return true;
     undisturbed_ += wall;

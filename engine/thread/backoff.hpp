@@ -60,13 +60,13 @@ private:
 
     std::chrono::nanoseconds max_pauses_;
     std::chrono::nanoseconds pauses_ = max_pauses_;
-    std::chrono::nanoseconds yields_;  ///< after the pauses, before the first sleep
+    std::chrono::nanoseconds yields_;  ///< time of yields, after the pauses and before the first sleep
 };
 
 /// Times of the calling thread so far, and how often it lost its processor.
 struct ProcessorUse {
-    std::chrono::nanoseconds wall{};       ///< since any fixed moment
-    std::chrono::nanoseconds processor{};  ///< of this thread
+    std::chrono::nanoseconds wall{};       ///< time since any fixed moment
+    std::chrono::nanoseconds processor{};  ///< processor time of the thread
     std::int64_t taken_away = 0;           ///< number of times that the thread lost the processor while runnable
 
     /// Zeros if the system does not report them; such a worker never retreats. Costs about 1 µs.
@@ -74,15 +74,15 @@ struct ProcessorUse {
 };
 
 /// Decides when a resident worker leaves a contended processor; not shared. The system takes the processor away for a slice of
-/// milliseconds, nearly always in the middle of a task, and everybody waits for that task. A worker that notices leaves between two tasks
-/// instead: the others do all of the work meanwhile, at their own speed. It comes back after a while, and stays away for longer each time
+/// milliseconds, nearly always in the middle of a task, and every worker waits for that task. A worker that notices leaves between two
+/// tasks instead: the others do all of the work meanwhile, at full speed. It comes back after a while, and stays away for longer each time
 /// that it finds the processor contended again.
 class ContentionBackoff {
 public:
     using Milliseconds = std::chrono::milliseconds;
     static constexpr Milliseconds window{2};     ///< shorter than a slice, so that one loss stands out
     static constexpr Milliseconds shortest{8};   ///< two slices
-    static constexpr Milliseconds longest{256};  ///< a return costs up to one slice of everybody's time: below 2 %
+    static constexpr Milliseconds longest{256};  ///< maximum; a return costs all workers up to one slice: below 2 %
 
     explicit ContentionBackoff(const ProcessorUse& begin) noexcept : begin_(begin) {}
 
@@ -91,14 +91,14 @@ public:
     [[nodiscard]] bool due() noexcept;
     [[nodiscard]] bool due(const ProcessorUse& now) noexcept;
 
-    /// How long to stay away.
+    /// Time to stay away.
     [[nodiscard]] Milliseconds length() const noexcept { return length_; }
     /// The worker has been away and begins a new window.
     void returned(const ProcessorUse& now) noexcept;
 
 private:
-    ProcessorUse begin_;                      ///< of the window
-    std::chrono::nanoseconds undisturbed_{};  ///< since the last return
+    ProcessorUse begin_;                      ///< use at the begin of the window
+    std::chrono::nanoseconds undisturbed_{};  ///< time since the last return
     Milliseconds length_ = shortest;
 };
 

@@ -31,10 +31,10 @@ private:
 /// second until it is final) and SIGPIPE (no reader left) unless this process was started with them ignored, as under nohup.
 [[nodiscard]] std::vector<int> ending_signals();
 
-/// How a child has ended.
+/// End of a child.
 struct ChildEnd {
     int status = 0;            ///< exit status, or 128 + signal
-    int signal = 0;            ///< that ended it; 0: it ended by itself
+    int signal = 0;            ///< signal that ended it; 0: it ended by itself
     bool interrupted = false;  ///< an ending signal came while it lived
 };
 

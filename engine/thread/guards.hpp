@@ -28,11 +28,11 @@ public:
         return owner_.compare_exchange_strong(free, self(), std::memory_order_acquire);
     }
     void leave() noexcept { owner_.store(nullptr, std::memory_order_release); }
-    /// Whether the calling thread is the one inside: only it can have written its own name.
+    /// Whether the calling thread is inside. No other thread can have written its address.
     [[nodiscard]] bool mine() const noexcept { return owner_.load(std::memory_order_relaxed) == self(); }
 
 private:
-    /// The address of a variable that every thread has of its own.
+    /// Address of a thread-local variable, which identifies the thread.
     [[nodiscard]] static const void* self() noexcept {
         thread_local const char mark = 0;
         return &mark;
@@ -48,7 +48,7 @@ public:
     void enter() noexcept { ++users_; }
     /// @return whether that was the last one
     [[nodiscard]] bool leave() noexcept { return --users_ == 0; }
-    /// By the owner, who leaves then. @return false if it was given up before
+    /// Called by the owner, before leave(). @return false if it was given up before
     [[nodiscard]] bool give_up() noexcept { return !given_up_.exchange(true); }
     [[nodiscard]] bool given_up() const noexcept { return given_up_; }
 

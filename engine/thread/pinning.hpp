@@ -13,7 +13,7 @@ public:
     Processors() noexcept : set_{}, known_(sched_getaffinity(0, sizeof set_, &set_) == 0) {
         if (known_) count_ = std::max(1, CPU_COUNT(&set_));
     }
-    /// At least 1.
+    /// Number of these processors, at least 1.
     [[nodiscard]] int count() const noexcept { return count_; }
     /// The set that holds only the (number modulo count)-th of them.
     [[nodiscard]] cpu_set_t only(int number) const noexcept {
@@ -27,7 +27,7 @@ public:
         }
         return result;
     }
-    /// Whether the system reported it.
+    /// Whether the system reported them.
     [[nodiscard]] bool known() const noexcept { return known_; }
 
 private:

@@ -15,7 +15,7 @@ public:
 
     [[nodiscard]] std::size_t size() const noexcept { return numbers_.size(); }
 
-    /// By one thread at a time. @param numbers [size()]
+    /// Replaces the numbers. Called by one thread at a time. @param numbers [size()]
     void publish(std::span<const double> numbers) noexcept {
         const std::uint64_t before = version_.load(std::memory_order_relaxed);
         version_.store(before + 1, std::memory_order_relaxed);
@@ -24,7 +24,7 @@ public:
         version_.store(before + 2, std::memory_order_release);
     }
 
-    /// By any number of threads; begins again if numbers were replaced meanwhile. @param out [size()]
+    /// Reads all numbers of one moment; begins again if they were replaced meanwhile. Called by any number of threads. @param out [size()]
     void read(std::span<double> out) const noexcept {
         for (;;) {
             const std::uint64_t before = version_.load(std::memory_order_acquire);

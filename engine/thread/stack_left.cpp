@@ -14,7 +14,7 @@
 namespace cvtflow::engine {
 namespace {
 
-/// Where the stack of this thread lies; nothing where it can grow or is unknown.
+/// Range of this thread's stack; empty where it can grow or is unknown.
 struct Stack {
     std::uintptr_t begin = 0, size = 0;
 

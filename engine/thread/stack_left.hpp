@@ -1,5 +1,5 @@
 #pragma once
-/// How deep a caller may still call.
+/// Stack that is left to a caller.
 
 #include <cstddef>
 

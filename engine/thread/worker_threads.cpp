@@ -27,8 +27,8 @@ namespace {
 /// oneTBB's workers that this process has requested.
 struct Workers {
     std::mutex mutex;
-    int known = 0;   ///< have been startable at once
-    int in_use = 0;  ///< by runs that are under way
+    int known = 0;   ///< number that could be started at once
+    int in_use = 0;  ///< number in use by present runs
     bool refused = false;
     ThreadShortage shortage;
 };

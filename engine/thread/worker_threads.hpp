@@ -31,7 +31,7 @@ struct ThreadShortage {
 /// The largest shortage since the process began.
 [[nodiscard]] ThreadShortage thread_shortage() noexcept;
 
-/// Starts `count` threads at once and ends them. Called before a runtime starts its own, because oneTBB and OpenMP cannot handle a refusal
+/// Starts `count` threads at once and ends them. Called before a runtime starts threads, because oneTBB and OpenMP cannot handle a refusal
 /// (a crash in the graph's destructor, uncaught exceptions in workers, exit(1)). @return number of threads that started
 [[nodiscard]] int startable_threads(int count) noexcept;
 

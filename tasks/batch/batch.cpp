@@ -31,8 +31,8 @@ std::vector<long> cases_to_check(const Sweep& sweep, const std::vector<long>& ca
     return chosen;
 }
 
-/// Some cases once more, otherwise: continued ones from the start that they would have had without that, steady ones for three times as
-/// long. Largest difference of each scalar.
+/// Largest difference of each scalar in some cases that are repeated: continued ones from their start without continuation, steady ones for
+/// three times as long.
 class RepeatedCases {
 public:
     /// @param stated  beside the differences, their share of the stated errors, instead of the values
@@ -111,7 +111,7 @@ class FailingAlike {
 public:
     /// @param sought  otherwise never hopeless
     explicit FailingAlike(bool sought) : open_(sought) {}
-    /// One thread at a time.
+    /// Called by one thread at a time.
     void add(const CaseResult& result) {
         if (!open_) return;
         const std::string text = fmt::format("{}: {}", status_name(result.status), result.error);
@@ -199,7 +199,7 @@ private:
         }
     }
 
-    /// More cases for a worker. @return whether there are any
+    /// Claims more cases for a worker. @return whether there are any
     bool claim() {
         if (options_.worker == 0 || options_.part.only) return false;
         const engine::Claim claimed = engine::claim_cases(claims_file(options_.folder), options_.worker, sweep_.cases(), sweep_.strand());
@@ -300,8 +300,8 @@ private:
         return {folder / "checkpoints", folder / "records", folder / "continuation", options_.checkpoint_every, options_.mixed};
     }
 
-    /// Runs some cases again, those that ended well, from their own start, one after the other. Empty if it was stopped.
-    /// @param longer  whether for three times as long, beside their stated errors
+    /// Text of RepeatedCases for some cases that ended well, repeated without continuation one after the other. Empty if stopped.
+    /// @param longer whether for three times as long, beside their stated errors
     std::string repeat(OrderedRows& rows, const std::vector<long>& cases, bool longer) {
         RepeatedCases changes(sweep_, longer);
         std::unique_ptr<CaseEngine> engine;
@@ -354,7 +354,7 @@ private:
     const BatchOptions& options_;
     std::string folder_, file_;
     engine::Permit permit_;
-    std::unique_ptr<engine::FolderLock> lock_;  ///< of a worker's place the caller has it
+    std::unique_ptr<engine::FolderLock> lock_;  ///< lock of the folder; nullptr for a worker, whose caller holds it
     const engine::Cancellation& cancel_;
     int threads_;
     StartStates starts_;

@@ -35,20 +35,20 @@ struct Shard {
 };
 
 struct BatchProgress {
-    long cases = 0, before = 0, done = 0;  ///< of this shard: all, done in former sessions, done now
-    long failed = 0;                       ///< done now, but not ok
+    long cases = 0, before = 0, done = 0;  ///< cases of this shard: all, done in former sessions, done now
+    long failed = 0;                       ///< cases done now, but not ok
     double wall = 0.0;                     ///< [s]
-    long warm = 0;                         ///< done when every worker had finished a case, the shared settling included; 0: not yet
-    double warm_wall = 0.0;                ///< then [s]
+    long warm = 0;                         ///< cases done when every worker had finished one, the shared settling included; 0: not yet
+    double warm_wall = 0.0;                ///< wall time when `warm` was set [s]
 
-    /// Time left by the pace since then; NaN as long as there is none [s].
+    /// Time left by the pace since `warm`; NaN before it is set [s].
     [[nodiscard]] double left() const noexcept;
 };
 
 /// Work of a child process.
 struct SweepPart {
-    std::optional<long> only = {};  ///< this case alone; nothing: all that are not done
-    std::string crashed;            ///< not to be run but to be booked as crashed, for this reason
+    std::optional<long> only = {};  ///< number of a single case; nothing: all that are not done
+    std::string crashed;            ///< reason to record the case as crashed instead of running it; empty: none
     int attempt = 0;                ///< children before this one
 };
 
@@ -56,30 +56,30 @@ struct BatchOptions {
     std::string folder;
     int threads = 0;  ///< 0: as many as this process may use
     bool pin = false;
-    double grace = 30.0;             ///< after a request to stop, time for running cases to finish; others write a checkpoint [s]
-    double checkpoint_every = 60.0;  ///< of every running case, wall time [s]
+    double grace = 30.0;             ///< time for running cases to finish after a request to stop; others write a checkpoint [s]
+    double checkpoint_every = 60.0;  ///< wall time between checkpoints of a running case [s]
     Shard shard;
     int worker = 0;                          ///< place of a worker, which the caller holds (WorkerPlaces); 0: none, the cases of `shard`
     std::vector<std::string> retry;          ///< statuses whose cases run again
-    bool mixed = false;                      ///< also if rows there are of another version of the program or another start.state
-    bool keep_going = false;                 ///< also if the first dozen cases fail with the same message
+    bool mixed = false;                      ///< accepts a table with rows of another program version or another start.state
+    bool keep_going = false;                 ///< continues although the first dozen cases failed with the same message
     SweepPart part;                          ///< all, or a single case after a crash
     engine::SharedSlots* journal = nullptr;  ///< one slot per thread; receives the case that each worker runs
     const engine::Cancellation* cancel = nullptr;
-    std::function<void(const BatchProgress&)> progress;  ///< after each case, by one thread at a time
-    std::function<void(const std::string&)> notice;      ///< what a user should know of: a checkpoint that was damaged; the same
+    std::function<void(const BatchProgress&)> progress;  ///< called after each case, by one thread at a time
+    std::function<void(const std::string&)> notice;      ///< receives warnings (a damaged checkpoint), by one thread at a time
 };
 
 struct BatchReport {
-    std::string folder;  ///< of this shard
+    std::string folder;  ///< folder of this shard
     BatchProgress progress;
-    CaseTally tally;  ///< of all rows of the table
+    CaseTally tally;  ///< statuses of all rows of the table
     bool finished = false;
     std::string results_hash;
     int threads = 0;
-    std::string hopeless;            ///< how the first cases failed, all alike, so that no other was begun; empty: they did not
-    std::string continuation_error;  ///< see RepeatedCases::text(); empty: nothing was continued, or not checked yet
-    std::string steady_check;        ///< the same of cases that ran three times as long
+    std::string hopeless;            ///< message with which all of the first cases failed, so that no other was begun; empty: none
+    std::string continuation_error;  ///< RepeatedCases::text() of continued cases; empty: nothing was continued, or not checked yet
+    std::string steady_check;        ///< RepeatedCases::text() of cases that ran three times as long; empty: none
 };
 
 /// Runs all cases of the shard that are not in its table yet.
@@ -128,7 +128,7 @@ public:
 private:
     [[nodiscard]] bool has_work(int number, const std::vector<engine::Claim>& claims) const;
     const Sweep& sweep_;
-    std::string folder_;      ///< of the sweep
+    std::string folder_;      ///< folder of the sweep
     std::set<int> finished_;  ///< places whose claimed cases are done
     bool done_ = false;
 };
@@ -146,7 +146,7 @@ private:
 
 /// Estimated cost of a sweep.
 struct BatchEstimate {
-    double seconds_per_cost = 0.0;  ///< measured on a few cases [s]
+    double seconds_per_cost = 0.0;  ///< wall time per cost, measured on a few cases [s]
     double total = 0.0;             ///< wall time of all cases of the shard on one thread [s]
     long cases = 0, bad = 0;        ///< bad: parameters that contradict each other
     int measured = 0;               ///< cases that were tried
@@ -171,7 +171,7 @@ struct MergeReport {
 /// @throws SimulationError nothing to join; shards of other sweeps, or cut in another number; engine::RecordError
 [[nodiscard]] MergeReport merge(const std::string& folder, bool partial, bool mixed = false);
 
-/// How far the sweep in a folder is: of one process, of shards or of workers, running or not.
+/// Progress of the sweep in a folder: of one process, of shards or of workers, running or not.
 struct FolderProgress {
     /// The folder itself, or that of a shard or worker.
     struct Part {
@@ -182,8 +182,8 @@ struct FolderProgress {
     };
 
     engine::CaseTable head;   ///< attributes and columns of the sweep, no rows
-    long cases = 0;           ///< of the sweep
-    CaseTally tally;          ///< of cases that are done, each once
+    long cases = 0;           ///< number of cases of the sweep
+    CaseTally tally;          ///< statuses of all done cases, each counted once
     std::vector<Part> parts;  ///< empty: the folder contains no table of a sweep
 
     [[nodiscard]] long running() const noexcept;  ///< number of parts

@@ -109,7 +109,7 @@ void reopen_broken_strands(const Sweep& sweep, const CasePlaces& places, const s
 }
 
 /// Ends alternate between two files, so that a case that was lost with a killed process finds the end before it. The end that a case starts
-/// from is kept until the case has its own.
+/// from is kept until the case has one.
 StartStates::State end_before(const Sweep& sweep, const CasePlaces& places, long number, const Scene& scene) {
     const long first = number - number % sweep.strand();
     StartStates::State latest;

@@ -20,7 +20,7 @@ namespace {
 constexpr std::string_view statuses[] = {"ok",      "unreliable", "diverged", "budget",     "bad_parameters",
                                          "crashed", "undefined",  "stopped",  "not_steady", "cycle_missed"};
 constexpr double worth_a_switch = 0.2;  ///< wall time that a case must have left to get more threads [s]
-constexpr double trial_seconds = 0.05;  ///< in which more threads have to show their worth [s]
+constexpr double trial_seconds = 0.05;  ///< wall time after which more threads are compared with one [s]
 constexpr double required_gain = 1.1;
 
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point then) {
@@ -99,7 +99,7 @@ const CaseResult& CaseEngine::run(long number) {
     } catch (const std::bad_alloc&) {
         result_.status = CaseStatus::crashed;
         result_.error = "out of memory";
-    } catch (const std::exception& error) {  // the scene's own: a chain that does not close, a state that does not fit
+    } catch (const std::exception& error) {  // errors of the scene: a chain that does not close, a state that does not fit
         result_.status = CaseStatus::bad_parameters;
         result_.error = engine::error_text(error);
     }
@@ -223,7 +223,7 @@ bool CaseEngine::pass(RunLoop& loop) {
     return pause_ != Pause::stop;
 }
 
-/// At an output: whether the case should pause, and for what.
+/// Reason to pause the case at an output.
 CaseEngine::Pause CaseEngine::pause_for(double time, const Counters& counters) {
     const double begin = at_->simulation.needs_settling() ? -scene_.parameters.start.settling_time : 0.0;
     const double share = (time - begin) / std::max(1e-300, end_.latest - begin);

@@ -14,7 +14,7 @@ namespace cvtflow::tasks {
 
 struct Checkpoint;
 
-/// How a case ended; the column `status` has these names.
+/// End of a case; the column `status` has these names.
 enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashed, undefined, stopped, not_steady, cycle_missed };
 /// Contents of a row.
 [[nodiscard]] std::span<const std::string_view> status_names() noexcept;
@@ -31,16 +31,16 @@ struct CaseResult {
     std::string_view start;
     std::uint64_t start_state = 0;  ///< content_hash() of the state that it began with; 0: none
     std::vector<double> scalars;    ///< NaN unless has_scalars(status) [scalars of the sweep]
-    std::vector<double> errors;     ///< of those, relative, where cases end when they are steady; NaN: none [scalars of the sweep]
-    double settled_for = 0.0;       ///< likewise: begin of the means [s]
+    std::vector<double> errors;     ///< relative errors of scalars where cases end when they are steady; NaN: none [scalars of the sweep]
+    double settled_for = 0.0;       ///< begin of the means where cases end when they are steady; NaN: none [s]
     Counters counters, settling;
     double wall = 0.0;                 ///< settling and resumed parts included [s]
-    int threads = 1;                   ///< most that worked on it at once
-    std::uint64_t hash = 0;            ///< of the final state
+    int threads = 1;                   ///< largest number that worked on it at once
+    std::uint64_t hash = 0;            ///< hash of the final state
     double efficiency = 0.0;           ///< 1 - losses/input over whole pin periods since sweep.from [1]
-    double residual = 0.0;             ///< of the energy balance over the losses, settling left out [1]
-    double balance_error_ratio = 0.0;  ///< of settling and run: above 1 unreliable [1]
-    std::string notes;                 ///< names of what is odd, blank between them
+    double residual = 0.0;             ///< residual of the energy balance over the losses, without settling
+    double balance_error_ratio = 0.0;  ///< larger one of settling and run; above 1 unreliable
+    std::string notes;                 ///< names of notes on unusual results, separated by blanks
 };
 
 /// State that all workers share: when to stop, and how many threads a case may have.
@@ -71,7 +71,7 @@ private:
     std::chrono::steady_clock::time_point asked_{};
 };
 
-/// Where a worker keeps what it must not lose, and how often.
+/// Folders in which a worker saves its work, and how often it does.
 struct CasePlaces {
     std::filesystem::path checkpoints, records, continuation;
     double checkpoint_every = 60.0;  ///< [s]
@@ -107,9 +107,9 @@ public:
 
     /// Ready for another case.
     void clear();
-    /// Reads from there, from now on. @param end  of the case, an output; infinite where it ends when it is steady [s]
+    /// Connects to a site for the next case. @param end last output of the case; infinite where it ends when it is steady [s]
     void observe(CaseSite& site, const RunSettings& run, double end) noexcept;
-    /// Since sweep.from, of the samples of scalars.
+    /// Means since sweep.from over the samples of scalars.
     [[nodiscard]] RunMeans& means() noexcept { return means_; }
     /// Whether the case ends when it is steady. Scalars are then those of whole pin periods.
     [[nodiscard]] bool by_periods() const noexcept { return means_.rule().limit > 0.0; }
@@ -120,7 +120,7 @@ public:
     /// Writes scalars, their errors and the begin of the means. A scalar of a case that ended well must be finite.
     void write(CaseResult& result) const;
 
-    /// For checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
+    /// Memory for checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory, double time);  ///< @param time of the last output [s]
 
@@ -141,13 +141,13 @@ private:
     const Sweep& sweep_;
     CaseSite* site_ = nullptr;
     int followed_pin_ = 0;
-    double end_ = 0.0;               ///< from which on an output is the last [s]
+    double end_ = 0.0;               ///< time from which an output is the last [s]
     std::vector<Reducer> reducers_;  ///< [scalars], or of every pin period [periods x scalars]
-    std::vector<Early> early_;       ///< the first early_count_ of them, whose memory other cases have left
+    std::vector<Early> early_;       ///< states that early_count_ counts, then memory for reuse
     std::size_t early_count_ = 0;
     RunMeans means_;
     double output_before_ = 0.0;  ///< time of the last output [s]
-    std::vector<double> values_;  ///< of one channel [width of the channel]
+    std::vector<double> values_;  ///< numbers of one channel
 };
 
 class CaseEngine final : private Pauses {
@@ -157,10 +157,10 @@ public:
     /// Runs a case, or resumes it from its checkpoint. Never throws for errors of the case; engine::RecordError if something
     /// cannot be written. A case that was stopped has left a checkpoint.
     [[nodiscard]] const CaseResult& run(long number);
-    /// Runs a case from the start that the case has without continuation, with neither a record nor an end for its neighbour.
-    /// @param until  of a case that ends when it is steady, ends it at this later time instead; 0: does not [s]
+    /// Runs a case from the start that it has without continuation, with neither a record nor an end for its neighbour.
+    /// @param until later end of a case that ends when it is steady; 0: none [s]
     [[nodiscard]] const CaseResult& run_from_own_start(long number, double until = 0.0);
-    /// After run(), once its row is safe.
+    /// Deletes the checkpoint of the case. Call it once the row is safe.
     void forget_checkpoint();
     /// The result of a case that took its process down.
     [[nodiscard]] const CaseResult& book_crash(long number, const std::string& why);
@@ -190,7 +190,7 @@ private:
     CaseScalars scalars_;
     RunHistory history_;
     std::unique_ptr<CaseSite> serial_, parallel_;
-    CaseSite* at_ = nullptr;  ///< the one at work
+    CaseSite* at_ = nullptr;  ///< site of the present case
     bool own_start_ = false;
     double longer_ = 0.0;  ///< end of the run in place of the scene's; 0: none [s]
     RunEnd end_{};
@@ -200,11 +200,11 @@ private:
     RunOptions record_options_;
     engine::Cancellation never_;
     Pause pause_ = Pause::none;
-    double wall_before_ = 0.0;  ///< in former sessions [s]
+    double wall_before_ = 0.0;  ///< wall time in former sessions [s]
     std::chrono::steady_clock::time_point started_, last_save_, window_begin_;
     long window_steps_ = 0;
     double serial_rate_ = 0.0;  ///< steps per second by one thread; 0: not measured [1/s]
-    int refused_threads_ = 0;   ///< that were tried and were not worth it
+    int refused_threads_ = 0;   ///< thread count that a trial found too slow; 0: none
 };
 
 /// Cost of a step: evaluations x unknowns.

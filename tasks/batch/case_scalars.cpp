@@ -9,7 +9,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// Where periods count, all samples lie equally far apart, whatever the outputs do, and scalars are of nothing else.
+/// Role of all samples where periods count: samples are equally spaced, whatever the outputs, and scalars use them alone.
 constexpr Occasion each_sample{.sample = true, .output = true, .last = true};
 
 }  // namespace
@@ -34,7 +34,7 @@ void CaseScalars::sample(double time, const Workspace& workspace, const Counters
     reduce(time, workspace, counters, by_periods() ? each_sample : Occasion{.sample = true});
 }
 
-/// Where samples lie apart by more than outputs, as at rest, outputs are samples.
+/// Takes an output as a sample where samples are farther apart than outputs, as at rest.
 void CaseScalars::output(double time, const Workspace& workspace, const Counters& counters) {
     if (!counts(time)) return;
     if (by_periods()) {
@@ -82,7 +82,7 @@ Reducer CaseScalars::over_periods(std::size_t scalar, double begin) const {
     return whole;
 }
 
-/// Where periods count, each has its own. Integrals begin at the last sample of the period before: they add up.
+/// Reducers of the present pin period where periods count, else of the case. Integrals begin at the last sample of the period before.
 std::span<Reducer> CaseScalars::present_reducers() {
     const std::size_t count = sweep_.scalars.size(), first = by_periods() ? (means_.curve().points().size() - 1) * count : 0;
     for (std::size_t next = reducers_.size(); next < first + count; ++next)

@@ -1,5 +1,5 @@
 #pragma once
-/// Where the cases of a sweep begin: states read once, states settled once and shared by the cases that allow it.
+/// Start states of the cases of a sweep: states read once, states settled once and shared by the cases that allow it.
 
 #include <filesystem>
 #include <map>

@@ -48,7 +48,7 @@ double thrust_ratio(const Instant& now) {
     return o.clamping[1] != 0.0 ? o.clamping[0] / o.clamping[1] : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Tips of the pin that is followed: of its rear half on its own link and of its front half on the link before.
+/// Tips of the followed pin: of its rear half on its link and of its front half on the link before.
 void followed_axial(const Instant& now, double* out) {
     const int links = now.workspace.layout().links;
     const int before = (now.followed_pin + links - 1) % links;
@@ -302,7 +302,7 @@ const Channel* Channel::integral() const {
 
 namespace {
 
-/// Whether a name of record.channels means a channel: its own, or "group/*".
+/// Whether a name of record.channels means a channel: by its name, or by "group/*".
 bool means(std::string_view name, const Channel& channel) {
     const bool group = name.ends_with("/*");
     return group ? channel.name.starts_with(name.substr(0, name.size() - 1)) : channel.name == name;

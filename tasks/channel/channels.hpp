@@ -20,7 +20,7 @@ struct Instant {
     const Workspace& workspace;
     const Counters& counters;
     int followed_pin;
-    model::Observer& observer;  ///< of the observation: evaluates forces where a channel needs them
+    model::Observer& observer;  ///< evaluates forces where a channel needs them
 
     /// Torque of the chain on the sheaves of shaft 0 or 1: mean since the last output, of the instant where there is none before [N·m].
     [[nodiscard]] double chain_torque(std::size_t shaft) const noexcept;
@@ -47,7 +47,7 @@ struct Channel {
     /// Differences to a usual channel, which every run of a machine with pulleys records; combined by |.
     enum Trait : unsigned {
         usual = 0,
-        any_machine = 1,       ///< of a ring of links without pulleys also
+        any_machine = 1,       ///< recorded for a ring of links without pulleys too
         on_demand = 2,         ///< recorded where record.channels names it
         may_be_undefined = 8,  ///< a quotient that is NaN where its divisor is zero; means and extremes leave such outputs out
         without_chain = 16,    ///< see needs_chain()
@@ -60,7 +60,7 @@ struct Channel {
         so_far = without_chain | unaveraged,
     };
 
-    std::string_view name;  ///< as in the record; '/' groups
+    std::string_view name;  ///< name in the record; '/' groups
     std::string_view unit;
     std::string_view description;
     Read read;  ///< values [unit of the channel]
@@ -97,7 +97,6 @@ struct EfficiencyChannels {
 /// Mean of an efficiency over a time, a quotient of energies. @param changes of its sums in that time [J]
 [[nodiscard]] double efficiency_of(std::span<const double, EfficiencyChannels::sums> changes) noexcept;
 
-/// All there are.
 [[nodiscard]] std::span<const Channel> channels();
 
 /// Channels of a record: the usual ones and those in `names`, where the machine has them.

@@ -50,7 +50,7 @@ double contact_thrust_ratio(const Instant& now) {
     return driven != 0.0 ? spreading(now, 0) / driven : undefined;
 }
 
-constexpr double largest_safety = 1e3;  ///< without torque it is infinite; records hold numbers
+constexpr double largest_safety = 1e3;  ///< maximum of a record, which contains no infinity: the factor without torque
 
 double safety_factor(const Instant& now, std::size_t shaft) {
     const model::TipCoefficients& tip = now.workspace.variator.chain().coefficients().tip;
@@ -80,7 +80,7 @@ void followed_plates(const Instant& now, double* out) {
     std::copy_n(all.plate_tension.begin() + all.plates_per_link * now.followed_pin, all.plates_per_link, out);
 }
 
-/// A pin's halves: the rear one of its own link, the front one of the link before.
+/// A pin's halves: the rear one of its link, the front one of the link before.
 void followed_halves(const Instant& now, double* out, Forces member) {
     const auto& all = now.observer.forces().chain.*member;
     const int before = now.workspace.layout().previous(now.followed_pin);
@@ -163,8 +163,8 @@ double chain_impulse(const Instant& now, std::size_t shaft) {
 double drag(const Instant& now, std::size_t shaft) { return now.observation.drag[shaft]; }
 double drag_power(const Instant& now, std::size_t shaft) { return now.observation.drag[shaft] * now.observation.speed[shaft]; }
 double dragged(const Instant& now, std::size_t shaft) { return now.workspace.energy.input_works().drag.energy[shaft]; }
-/// Over the last pin period; the pump's powers have lasted as long. Not all that it takes is input: what the oil does on the sheaves comes
-/// back. @param overall  the drag of the shafts included
+/// Efficiency over the last pin period, with the pump's powers constant over it. Not all of the pump's power is input: the work of the oil
+/// on the sheaves comes back. @param overall with the drag of the shafts
 double efficiency_outside(const Instant& now, bool overall) {
     const double time = now.observation.time;
     const HydraulicInstant& oil = now.observation.hydraulics;

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double forever = std::numeric_limits<double>::infinity();
 
-/// Where friction falls with the sliding speed, slip and losses of a machine of the lottery were off by 1.3 % at 1.4 us, in proportion to
-/// the step [s].
+/// Longest step where friction falls with the sliding speed: slip and losses of a machine of the lottery were off by 1.3 % at 1.4 us, in
+/// proportion to the step [s].
 constexpr double longest_with_tip_law = 0.7e-6;
 
 }  // namespace
@@ -203,7 +203,7 @@ void AutoStep::load(std::span<const double> memory) {
 NegativeSlopeFriction::NegativeSlopeFriction(const model::Variator& variator, const model::Parameters& parameters)
     : variator_(variator), half_mass_(parameters.half.mass), observer_(variator) {}
 
-/// From the saturation speed on in steps of 2 %, up to 10 m/s: tips do not slide faster in a machine that works.
+/// Searches sliding speeds from the saturation speed up to 10 m/s, faster than tips slide in a machine that works, in steps of 2 %.
 double NegativeSlopeFriction::fastest_growth(double force) const noexcept {
     constexpr double ratio = 1.02, fastest = 10.0;  // [1], [m/s]
     const model::TipCoefficients& tip = variator_.chain().coefficients().tip;

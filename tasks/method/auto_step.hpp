@@ -28,7 +28,7 @@ public:
     [[nodiscard]] double growth(double t, const double* state, const model::Phase* phases) noexcept;
 
 private:
-    /// Over all sliding speeds from the saturation speed on, at the present temperature of the oil [1/s]. force of a tip [N]
+    /// Largest growth over all sliding speeds from the saturation speed on, at the present temperature of the oil [1/s]. force of a tip [N]
     [[nodiscard]] double fastest_growth(double force) const noexcept;
     /// Growth with the law's memory, given that without. at_once [1/s], speed [m/s]
     [[nodiscard]] double with_memory(double at_once, double speed) const noexcept;
@@ -58,7 +58,7 @@ enum class StepLimiter {
 struct LargestStep {
     double step = std::numeric_limits<double>::infinity();  ///< [s]
     StepLimiter by = StepLimiter::nothing;
-    double rate = 0.0;  ///< of what limits it [rad/s] or [1/s]
+    double rate = 0.0;  ///< frequency [rad/s] or rate [1/s] of the limiter
 };
 /// "1.62 us (oscillation of 120 kHz)", "linear stability sets no limit".
 [[nodiscard]] std::string text_of(const LargestStep& limit);
@@ -84,9 +84,9 @@ public:
     /// later, an iteration at a time, so that no call of a host takes much longer than others. time [s], state [unknowns]
     [[nodiscard]] double longest(double time, const double* state, const model::Phase* phases) noexcept override;
 
-    /// As last estimated.
+    /// Limit by the last estimate.
     [[nodiscard]] LargestStep largest() const noexcept;
-    /// Its step [s]; infinite: no limit.
+    /// Step of largest(); infinite: no limit [s].
     [[nodiscard]] double stable_step() const noexcept { return largest().step; }
     /// Right-hand-side evaluations used by the estimates.
     [[nodiscard]] long evaluations() const noexcept { return evaluations_; }
@@ -109,26 +109,26 @@ private:
     void estimate(double time, const double* state, const model::Phase* phases, int budget) noexcept;
 
     MethodReach reach_;
-    double longest_;                          ///< of all steps [s]
-    double interval_;                         ///< between two estimates, in the long run [s]
+    double longest_;                          ///< maximum of all steps [s]
+    double interval_;                         ///< time between two estimates, in the long run [s]
     bool reuses_eigenvectors_;                ///< damped_parts_ begin with the directions of the last estimate: rigid pins
-    std::shared_ptr<SpectralMemory> memory_;  ///< of all bounds
+    std::shared_ptr<SpectralMemory> memory_;  ///< memory that all bounds share
     SpectralBound bound_;
-    std::unique_ptr<const model::Variator> frictionless_;      ///< the machine without friction, where damping has a limit of its own
-    bool friction_matters_ = true;                             ///< for the stability of oscillations with damping
-    std::vector<SpectralBound> damped_parts_;                  ///< of it
+    std::unique_ptr<const model::Variator> frictionless_;      ///< machine without friction, where damping has another limit
+    bool friction_matters_ = true;                             ///< friction reduces the stability of oscillations with damping
+    std::vector<SpectralBound> damped_parts_;                  ///< bounds of `frictionless_`
     double damped_ = std::numeric_limits<double>::infinity();  ///< longest stable step without friction [s]
-    std::unique_ptr<NegativeSlopeFriction> friction_growth_;   ///< of machines whose friction depends on the sliding speed
-    double growth_ = 0.0;                                      ///< of sliding, as found [1/s]
+    std::unique_ptr<NegativeSlopeFriction> friction_growth_;   ///< nullptr where friction does not depend on the sliding speed
+    double growth_ = 0.0;                                      ///< largest growth of sliding at the last estimate [1/s]
     const model::Variator& variator_;
     model::Chain chain_;
-    double pin_period_ = 0.0;                   ///< as found; 0: sets no limit [s]
-    double checked_ = -1e300, begun_ = -1e300;  ///< when [s]
-    double damped_at_ = -1e300;                 ///< when damped_ was found [s]
-    double stable_ = 0.0;                       ///< the longest stable step found [s]
-    double turned_ = -1e300;                    ///< when the present estimate was continued [s]
-    int part_ = no_part;                        ///< of it: 0 the whole spectrum, then damped_parts_; no_part: none is under way
-    bool damping_due_ = false;                  ///< it includes damped_parts_
+    double pin_period_ = 0.0;                   ///< period at the last estimate; 0: sets no limit [s]
+    double checked_ = -1e300, begun_ = -1e300;  ///< times of the last estimate and of the first [s]
+    double damped_at_ = -1e300;                 ///< time of the estimate of damped_ [s]
+    double stable_ = 0.0;                       ///< longest stable step of the last estimate [s]
+    double turned_ = -1e300;                    ///< time at which the present estimate was last continued [s]
+    int part_ = no_part;        ///< part in work: 0 the whole spectrum, then damped_parts_; no_part: no estimate is under way
+    bool damping_due_ = false;  ///< the present estimate includes damped_parts_
     long evaluations_ = 0;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-/// The list of all methods: tables of stages (engine/method), and programs with cycles of their own; one of them, found once; and which of
-/// them run.method = "auto" is, by detail and friction law.
+/// The list of all methods: tables of stages (engine/method) and programs with further cycles; a method, found once; and the choice for
+/// run.method = "auto", by detail and friction law.
 
 #include <functional>
 #include <limits>
@@ -27,8 +27,8 @@ public:
 /// machine in twenty of `cvtflow-lab lottery`).
 inline constexpr double usual_longest_step = 1.5e-6;
 
-/// How far a method is stable and accurate, by its own test equation. Infinite where linear stability sets no limit, or where the method
-/// sees to it by itself (methods that choose among polynomials).
+/// Limits of a method's stability and accuracy, by its test equation. Infinite where linear stability sets no limit, or where the method
+/// chooses among polynomials to meet it.
 struct MethodReach {
     static constexpr double unlimited = std::numeric_limits<double>::infinity();
 
@@ -44,34 +44,34 @@ struct MethodReach {
 /// A method that is a program: its row in `list methods`, its slots, and its factory.
 struct MethodProgram {
     std::string name, description, source;
-    int order = 0;        ///< on smooth scenes
-    int evaluations = 0;  ///< of the right-hand side per step; 0: varies
+    int order = 0;        ///< order on smooth scenes
+    int evaluations = 0;  ///< evaluations of the right-hand side per step; 0: varies
     int state_slots = 1;  ///< slot 0 included
     int slope_slots = 1;  ///< slot 0 included
     /// @throws std::invalid_argument if the method cannot be used with the workspace's scene
     std::function<std::unique_ptr<StepMethod>(Workspace& workspace)> make = {};
-    std::string solves = "none";               ///< systems solved in a step, in words
-    MethodReach reach = {};                    ///< as bench/method/stability derives it, and a test compares
-    double longest_step = usual_longest_step;  ///< that is chosen where steps are automatic, with pin halves [s]
-    bool estimates_error = false;              ///< of a step: StepMethod::error_power() is not 0
+    std::string solves = "none";               ///< systems solved in a step
+    MethodReach reach = {};                    ///< derived by bench/method/stability; a test compares
+    double longest_step = usual_longest_step;  ///< longest automatic step with pin halves [s]
+    bool estimates_error = false;              ///< StepMethod::error_power() is not 0
     int revision = 1;  ///< raised whenever a step computes otherwise, so that no checkpoint of the former method is continued
     /// Setting that it requires and parameters do not have; empty: none.
     std::string_view (*missing)(const model::Parameters& parameters) = [](const model::Parameters&) { return std::string_view(); };
 
-    /// Why it cannot be used with these parameters: "method 'sw2' requires detail.pins = "halves""; empty: it can.
+    /// Reason why it cannot be used with these parameters: "method 'sw2' requires detail.pins = "halves""; empty: it can.
     [[nodiscard]] std::string objection(const model::Parameters& parameters) const;
 };
 
 /// Methods that a program adds to those of the product (bench/method).
 struct FurtherMethods {
     engine::FurtherTables tables;
-    std::vector<MethodProgram> (*programs)();                        ///< asked when first needed
-    engine::StageReach (*reach_of_table)(const engine::StagePlan&);  ///< of tables that declare none
+    std::vector<MethodProgram> (*programs)();                        ///< called when first needed
+    engine::StageReach (*reach_of_table)(const engine::StagePlan&);  ///< reach of a table that declares none
 };
 /// Adds them, once per process, before anything else asks for methods.
 void add_methods(const FurtherMethods& further);
 
-/// All programs, each under a name of its own.
+/// All programs; names are unique.
 [[nodiscard]] const std::vector<MethodProgram>& method_programs();
 /// Programs that take friction apart from all other forces (tasks/method/friction).
 [[nodiscard]] std::vector<MethodProgram> friction_methods();
@@ -86,10 +86,10 @@ void add_methods(const FurtherMethods& further);
 [[nodiscard]] std::vector<std::string> method_names();
 /// Whether a name is like those of methods that only the laboratory's program has.
 [[nodiscard]] bool belongs_to_laboratory(std::string_view method) noexcept;
-/// Why `method` is no method: what its family allows, or the name that was probably meant.
+/// Reason why `method` is no method: limits of its family, or the name that was probably meant.
 [[nodiscard]] std::string no_method(std::string_view method);
 
-/// A table of stages, or a program with cycles of its own. A name converts to its method.
+/// A table of stages, or a program with further cycles. A name converts to its method.
 class Method {
 public:
     /// A member of a family is made, which may take a tenth of a second. @throws MethodRefused with no_method()
@@ -111,7 +111,8 @@ public:
     [[nodiscard]] bool estimates_error() const noexcept {
         return program_ != nullptr ? program_->estimates_error : plan_.error.has_value();
     }
-    /// At work on a workspace made with plan(). @throws MethodRefused with MethodProgram::objection(), or as MethodProgram::make
+    /// Makes the step method on a workspace made with plan(). @throws MethodRefused with MethodProgram::objection(), or as
+    /// MethodProgram::make
     [[nodiscard]] std::unique_ptr<StepMethod> make(Workspace& workspace) const;
 
 private:
@@ -130,7 +131,7 @@ inline constexpr std::string_view automatic_method = "auto";
 /// A row: a method of the catalogue, and the machines that it is taken for.
 struct AutomaticChoice {
     std::string_view method;
-    std::string_view machines;  ///< in words
+    std::string_view machines;
     bool (*suits)(const model::Parameters& parameters);
 };
 

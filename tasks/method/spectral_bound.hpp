@@ -1,7 +1,7 @@
 #pragma once
-/// How far the eigenvalues of the equations of motion reach at a state: the friction of contacts along the real axis, the elasticity along
-/// the imaginary one. Found by power iteration on differences of the right-hand side, with perturbations so small that no contact opens,
-/// closes or begins to slide for them: at most a nanometre per second, or ten picometres.
+/// Extent of the eigenvalues of the equations of motion at a state: the friction of contacts along the real axis, the elasticity along the
+/// imaginary one. Found by power iteration on differences of the right-hand side, with perturbations so small that no contact opens, closes
+/// or begins to slide for them: at most a nanometre per second, or ten picometres.
 
 #include <limits>
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace cvtflow::tasks {
 
-/// Whose unknowns are moved; those of the others stay where they are.
+/// Unknowns that are moved; the others stay.
 enum class MovedPart { all, links, pulleys };
 
 /// Memory of an estimate, which bounds of machines with the same layout share as long as they take turns.
@@ -60,7 +60,7 @@ public:
     /// The vectors of the iterations, for checkpoints. load() returns the rest of the memory.
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
-    /// Beside it, of an estimate with a budget that is not complete.
+    /// Progress of an estimate whose budget was too small to complete it.
     void save_progress(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load_progress(std::span<const double> memory);  ///< @param memory from save_progress()
 
@@ -71,15 +71,15 @@ private:
     struct Iteration {
         std::vector<double> direction;  ///< [layout.size()], only in velocities or only in coordinates
         double value = 0.0;             ///< [1/s]
-        double size = 0.0;              ///< of the perturbation, largest entry
+        double size = 0.0;              ///< largest entry of the perturbation
         double found = 0.0;             ///< value of the last complete estimate [1/s]
         int taken = 0;                  ///< iterations of the present estimate; 0: it is complete
     };
 
     void begin() noexcept;
     int iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases,
-                int budget) noexcept;                                                                     ///< t [s], state [unknowns]
-    int iterate_at_rest(double t, const double* state, const model::Phase* phases, int budget) noexcept;  ///< likewise
+                int budget) noexcept;  ///< t [s], state [unknowns]
+    int iterate_at_rest(double t, const double* state, const model::Phase* phases, int budget) noexcept;
     void publish() noexcept;
     template <class Action>
     void for_each_unknown(Action action) const noexcept;
@@ -89,7 +89,7 @@ private:
     Iteration velocity_, coordinate_;
     std::shared_ptr<SpectralMemory> memory_;
     bool cold_ = true;
-    bool velocity_complete_ = false;  ///< of the present estimate, unlike the coordinates
+    bool velocity_complete_ = false;  ///< the present estimate has its velocities, not yet its coordinates
 };
 
 }  // namespace cvtflow::tasks

@@ -20,7 +20,7 @@ void SpectralMethod::check_spectrum() {
     checked_ = w.step.time;
 }
 
-/// After a rejected step the spectrum may be another.
+/// Estimates the spectrum anew after a rejected step.
 void SpectralMethod::prepare(bool again) {
     if (again) checked_ = -1e300;
     check_spectrum();

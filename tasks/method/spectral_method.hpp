@@ -26,7 +26,7 @@ protected:
 
     /// use() a plan that is stable for a step of this length. h [s]
     virtual void choose(double h) = 0;
-    /// As longest_step(), with the estimate up to date. [s]
+    /// longest_step() while the estimate is up to date [s].
     [[nodiscard]] virtual double longest(double requested) = 0;
 
     [[nodiscard]] double real() const noexcept { return real_margin * bound_.real(); }
@@ -39,14 +39,14 @@ private:
     static constexpr std::size_t own_memory = 1;
 
     SpectralBound bound_;
-    double checked_ = -1e300;  ///< when [s]
+    double checked_ = -1e300;  ///< time of the last estimate [s]
 };
 
 /// A plan of a ladder and how far it is stable.
 struct PolynomialRange {
     engine::CompiledPlan plan;
-    double real;       ///< along the negative real axis [1]
-    double imaginary;  ///< along the ray of damping ratio 1 %
+    double real;       ///< reach along the negative real axis
+    double imaginary;  ///< reach along the ray of damping ratio 1 %
 };
 
 /// Ascending.

@@ -113,7 +113,7 @@ const Numbers& array(const engine::SavedState& saved, const std::string& path, s
 struct FieldReader {
     const engine::SavedState& saved;
     const std::string& path;
-    std::span<const double> scalars;  ///< that are left
+    std::span<const double> scalars;  ///< numbers not read yet
 
     double scalar() {
         if (scalars.empty()) throw std::domain_error("it contains too few numbers");

@@ -36,15 +36,15 @@ void visit_fields(History& history, Visitor& visitor) requires std::is_same_v<st
 
 struct Checkpoint {
     std::string scene;        ///< text by write_scene
-    std::string name;         ///< of the scene
+    std::string name;         ///< name of the scene
     std::string path;         ///< the scene's file, as it was named
-    std::string text;         ///< of the scene's file
+    std::string text;         ///< contents of the scene's file
     std::string record;       ///< absolute path of the run's record; empty: none. A hint for people: it decides about no file
     std::string run;          ///< identity of the run, which its record holds as well; empty: it has no record
-    std::string replaces;     ///< identity of the run whose finished record this run was permitted to replace; empty: of none
+    std::string replaces;     ///< identity of the run whose finished record this run was permitted to replace; empty: none
     std::string program;      ///< version, commit and compiler that wrote it
     std::string method_hash;  ///< hash of the method's coefficients
-    std::string slope_hash;   ///< of the right-hand side at the state: another model, or the same one rounded differently, gives another
+    std::string slope_hash;   ///< hash of the right-hand side at the state, which depends on the model and its rounding
     IntegrationState integration;
     RunHistory history;
     std::vector<double> recorder;  ///< RunRecorder::position()
@@ -57,13 +57,13 @@ void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& var
 void write_checkpoint(const engine::Permit& permit, const Checkpoint& checkpoint);
 /// The same, replacing nothing but a checkpoint or state.
 void write_checkpoint(const std::string& path, const Checkpoint& checkpoint);
-/// Also for a fingerprint that is not of the scene, method and model that it holds.
+/// Reads a checkpoint, also one whose fingerprint is not of the scene, method and model that it contains.
 [[nodiscard]] Checkpoint read_checkpoint(const std::string& path);
 /// Whether the file is the record, finished or not, of the run that the checkpoint belongs to. @throws engine::RecordError as RunReader
 [[nodiscard]] bool is_record_of(const Checkpoint& checkpoint, const std::string& file);
 /// Identity of the run that a record is of; empty: none. @throws engine::RecordError as RunReader
 [[nodiscard]] std::string run_of_record(const std::string& file);
-/// Also what a kill left half written beside it.
+/// Deletes a checkpoint and what a killed writer left of it.
 void remove_checkpoint(const std::string& path);
 
 /// The scene of a checkpoint, for resuming it; start.state is ignored. @throws SceneError if this program cannot read it

@@ -161,23 +161,23 @@ namespace {
 constexpr std::size_t max_blocks = 8, min_blocks = 4;
 /// Quantiles of Student's distribution, two-sided 95 %, by degrees of freedom.
 constexpr double quantile[max_blocks - 2] = {0, 12.71, 4.30, 3.18, 2.78, 2.57};
-constexpr double sag_counts = 1.5;            ///< a swing that turns has no trend: by its bend, the mean is off by about that much
-constexpr double noticed_alternation = 5e-4;  ///< of the tension: machines that do not alternate stay below 3e-4
-constexpr double noticed_swing = 1e-3;        ///< of the tight tension
-constexpr double growth_of_swing = 1.05;      ///< from one half of the window to the other
-constexpr double min_revolutions = 3.0;       ///< before means are steady: swings of strands grow within tenths of a second from nothing
-constexpr double rail_scatter = 0.25;         ///< of the loss by guides, 95 %, in a mean over rail_time: impacts are correlated so long,
-constexpr double rail_time = 0.1;             ///< longer than a short run shows [s]
-constexpr double often_limited = 0.05;        ///< share of time: control that has reached its limit holds nothing
-constexpr double most_slip = 0.1;           ///< a chain that holds creeps by a hundredth; by more than this, load or clamping decide alone
-constexpr double growth_of_sliding = 1.1;   ///< from one half of the window to the other: a slip that is imposed does not grow
-constexpr double min_steady_slip = 5e-4;    ///< slips below are compared with this [1]
-constexpr double min_noted_slip = 3e-3;     ///< likewise: steps are exact to 3e-5 of a speed
-constexpr double share_of_ratio = 0.1;      ///< of the tolerance of other means, which follow a ratio that moves
-constexpr double min_share_of_tight = 0.1;  ///< likewise a slack strand, with a share of the tight one
+constexpr double sag_counts = 1.5;            ///< weight of the bend of a trend in its error: a swing that turns has no trend
+constexpr double noticed_alternation = 5e-4;  ///< smallest noticed alternation over the tension; other machines stay below 3e-4
+constexpr double noticed_swing = 1e-3;        ///< smallest noticed swing over the tight tension
+constexpr double growth_of_swing = 1.05;      ///< growth from one half of the window to the other that is noticed
+constexpr double min_revolutions = 3.0;       ///< shortest steady run: swings of strands grow within tenths of a second from nothing
+constexpr double rail_scatter = 0.25;         ///< relative scatter of the loss by guides, 95 %, in a mean over rail_time
+constexpr double rail_time = 0.1;             ///< correlation time of impacts, longer than a short run shows [s]
+constexpr double often_limited = 0.05;        ///< share of time at its limit above which a control holds nothing
+constexpr double most_slip = 0.1;             ///< slip above which load or clamping decide alone; a chain that holds creeps by a hundredth
+constexpr double growth_of_sliding = 1.1;     ///< growth from one half of the window to the other; an imposed slip does not grow
+constexpr double min_steady_slip = 5e-4;      ///< smallest slip to which errors are relative in steady_means()
+constexpr double min_noted_slip = 3e-3;       ///< smallest slip to which errors are relative in notes: steps are exact to 3e-5 of a speed
+constexpr double share_of_ratio = 0.1;        ///< tolerance of the ratio over that of other means, which follow a ratio that moves
+constexpr double min_share_of_tight = 0.1;    ///< smallest slack tension over the tight one to which errors are relative
 
 struct Block {
-    double mean[8];  ///< of the quantities below
+    double mean[8];  ///< means of `quantities`
 };
 constexpr std::string_view quantities[] = {"ratio", "thrust ratio",     "tight tension", "slack tension",
                                            "slip",  "slip by friction", "losses",        "efficiency"};

@@ -26,17 +26,17 @@ enum class Mean {
     turning,  ///< speed of the shafts without its sign, mean of both [rad/s]
     creep,    ///< power lost by creep [W]
     brought,  ///< power of the shafts that bring any [W]
-    target,   ///< of the first controller
+    target,   ///< target of the first controller
     needed,   ///< speed of shaft 2 that a cycle needs, and the distance of the speed from it [rad/s]
     astray,
     demanded,  ///< power that a cycle needs of shaft 2, without its sign, and what is missing to it [W]
     short_of,
-    speed,  ///< from here on of both shafts
+    speed,  ///< first of two shafts, as up to `controlled_square`
     torque = speed + 2,
     chain_torque = torque + 2,
     clamping = chain_torque + 2,
     radius = clamping + 2,
-    axial_force = radius + 2,             ///< of four sheaves
+    axial_force = radius + 2,             ///< first of four sheaves
     controlled = axial_force + 4,         ///< clamping force that a controller makes; 0 without [N]
     controlled_square = controlled + 2,   ///< [N²]
     half_cosine = controlled_square + 2,  ///< tight tension less that of two pin periods before, times cosine and
@@ -64,7 +64,7 @@ struct MeanPoint {
     }
 };
 
-/// When means are steady: every error of theirs is below a tolerance. A rule without tolerance is none.
+/// Condition for steady means: all their errors are below a tolerance. Without tolerance there is no condition.
 struct SteadyRule {
     double tolerance = 0.0;    ///< relative to each mean; of the efficiency to the losses' share, at least a fiftieth [1]
     double limit = 0.0;        ///< pin periods after which a run ends that is not steady [1]
@@ -73,14 +73,14 @@ struct SteadyRule {
     bool holds_ratio = false;  ///< ratio control: the ratio is steady at its target, to a tenth of the tolerance
 };
 
-/// By the trapezoidal rule over samples, which may lie at any distance from each other.
+/// Integrals by the trapezoidal rule over samples, which may lie at any distance from each other.
 class MeanCurve {
 public:
     /// Samples per pin period from which means are known to a thousandth, wherever the samples lie (a record may have fewer outputs).
     static constexpr double samples_per_period = 10.0;
 
     void clear() noexcept;
-    /// From the next sample on, keeps the points where pin periods end, all of them, in place of samples.
+    /// Keeps the ends of all pin periods from the next sample on, in place of samples.
     void mark_periods() noexcept { marks_ = true; }
     /// @param sums of the energies so far   @param pin_period see Workspace [s]   @param mark of the energies' ledger
     /// @param needed_speed of shaft 2, by a cycle; 0: none [rad/s]
@@ -93,16 +93,16 @@ public:
 
     [[nodiscard]] bool empty() const noexcept { return points_.empty(); }
     [[nodiscard]] const MeanPoint& first() const noexcept { return points_.front(); }
-    /// With mark_periods(): begin of the first pin period and ends of all.
+    /// Points that are kept; with mark_periods() the begin of the first pin period and ends of all.
     [[nodiscard]] std::span<const MeanPoint> points() const noexcept { return points_; }
     [[nodiscard]] const MeanPoint& last() const noexcept { return now_; }
     /// Linear between the points that are kept. time [s], from first() to last()
     [[nodiscard]] MeanPoint at(double time) const noexcept;
     /// A point as long after `from` as makes its means those of the last sample: for spans without length.
     [[nodiscard]] MeanPoint instant(const MeanPoint& from) const noexcept;
-    [[nodiscard]] double pin_period() const noexcept { return pin_period_; }  ///< at the last sample [s]
+    [[nodiscard]] double pin_period() const noexcept { return pin_period_; }  ///< period at the last sample [s]
 
-    /// For checkpoints: continues bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
+    /// Memory for checkpoints, bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 
@@ -114,8 +114,8 @@ private:
     void add_alternation(const model::Observation& now, std::array<double, mean_count>& values) const noexcept;
 
     std::vector<MeanPoint> points_;               ///< the first sample, and every per_point_-th one
-    MeanPoint now_;                               ///< at the last sample
-    std::array<double, mean_count> values_{};     ///< of the last sample
+    MeanPoint now_;                               ///< point of the last sample
+    std::array<double, mean_count> values_{};     ///< quantities at the last sample
     double per_point_ = 1.0, since_point_ = 0.0;  ///< samples [1]
     double pin_period_ = 0.0;                     ///< [s]
     double period_here_ = 0.0;                    ///< length of the pin period that is marked next [s]
@@ -132,7 +132,7 @@ struct MeanError {
     double mean = 0.0;
     double drift = 0.0;   ///< change of the trend over all, and half as much again as the bend of the trend
     double noise = 0.0;   ///< 95 %, of the scatter about that trend
-    double change = 0.0;  ///< of the straight line from begin to end
+    double change = 0.0;  ///< rise of the straight line from begin to end
 
     [[nodiscard]] double sum() const noexcept { return std::hypot(drift, noise); }
     /// Change that scatter cannot have made: that of a line through many means is uncertain by the root of twelve times their mean's noise.
@@ -170,12 +170,12 @@ struct MeanErrors {
 
 /// Means of the last half of a run, in equal batches of whole pin periods, and their errors.
 struct SteadyMeans : MeanErrors {
-    std::size_t begin = 0, batch = 0;  ///< of the curve's points: first, number of periods in each batch
-    double off_target = 0.0;           ///< deviation of a ratio that is held, in front of which the ratio is still under way [1]
+    std::size_t begin = 0, batch = 0;  ///< index of the curve's first point, periods per batch
+    double off_target = 0.0;           ///< deviation of a ratio that is held; while it is large, the ratio still moves [1]
     double alternation = 0.0;          ///< amplitude of the tight tension at half the pin frequency over its mean [1]
     double swing = 0.0;                ///< root mean square of the tensions' differences from period to period, over the tight one [1]
-    bool early = false;                ///< before three revolutions: a swing may not show yet
-    bool grows = false;                ///< either is noticeable and grows: what follows has other means
+    bool early = false;                ///< less than three revolutions: a swing may not show yet
+    bool grows = false;                ///< alternation or swing is noticeable and grows: later means differ
     double sliding = 0.0;              ///< slip by friction of a chain that slides, and ever faster; else 0 [1]
 
     [[nodiscard]] bool steady() const noexcept { return batches > 0 && share > 0.0 && share <= 1.0 && !grows && !early; }

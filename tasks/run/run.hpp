@@ -18,39 +18,38 @@ struct CouplingReport {
     int shaft = 0;                            ///< 0, 1
     double twist = 0.0;                       ///< far end less shaft [rad]
     double stored = 0.0;                      ///< [J]
-    double far_work = 0.0, dissipated = 0.0;  ///< since t = 0: done at the far end (negative: taken out), lost [J]
+    double far_work = 0.0, dissipated = 0.0;  ///< work at the far end (negative: taken out) and losses, since t = 0 [J]
 };
 
 /// Mean values from t = 0 on, and what the run took.
 struct RunReport : RunHistory {
     Fault fault;
-    EnergyBalance energy;              ///< of the run, without settling
-    double balance_error_ratio = 0.0;  ///< of run and settling (EnergyLedger::balance_error_ratio); above 1 the results are unreliable [1]
-    double settling_residual = 0.0;    ///< relative residual of the energy balance of settling
-    SpanMeans whole, first_fifth, last_fifth;  ///< of the run; with run.until = "steady" of its last half
-    CycleMiss cycle_miss;                      ///< largest, of a run with a cycle
-    MeanErrors errors;                         ///< of `whole`
-    double revolutions = 0.0;                  ///< likewise, of the chain, until their begin [1]
-    std::vector<CouplingReport> couplings;     ///< of the shafts that have one
-    model::TripSums trip{};                    ///< of the cycle at the end; zero without one
-    model::HeatBalance heat;                   ///< as the run has left it
-    std::vector<Note> notes;                   ///< what is odd about results that are right
+    EnergyBalance energy;                      ///< balance of the run, without settling
+    double balance_error_ratio = 0.0;          ///< larger one of run and settling; above 1 the results are unreliable
+    double settling_residual = 0.0;            ///< relative residual of the energy balance of settling
+    SpanMeans whole, first_fifth, last_fifth;  ///< means of the run; with run.until = "steady" of its last half
+    CycleMiss cycle_miss;                      ///< largest miss of a run with a cycle
+    MeanErrors errors;                         ///< errors of `whole`
+    double revolutions = 0.0;                  ///< revolutions of the chain before the means begin; 0: without run.until = "steady"
+    std::vector<CouplingReport> couplings;     ///< reports of the coupled shafts
+    model::TripSums trip{};                    ///< sums of the cycle at the end; zero without one
+    model::HeatBalance heat;                   ///< temperatures at the end
+    std::vector<Note> notes;                   ///< unusual features of correct results
     std::vector<std::string> start_differences;
-    double end = 0.0;         ///< simulated time [s]
-    double step = 0.0;        ///< last one in use [s]
-    AutoNumber step_setting;  ///< run.step
-    double stable_step =
-        0.0;  ///< largest that the method is stable for: where the run began, or where an automatic step was last chosen; 0: not asked [s]
+    double end = 0.0;          ///< simulated time [s]
+    double step = 0.0;         ///< step last in use [s]
+    AutoNumber step_setting;   ///< run.step
+    double stable_step = 0.0;  ///< largest stable step where the run began or an automatic step was last chosen; 0: unknown [s]
     std::string method;
     std::string method_report;    ///< counters of the method, one line; may be empty
-    std::string schedule;         ///< what ran it, and why if it was chosen
+    std::string schedule;         ///< schedule that ran, with the reason if it was chosen
     std::string kernels;          ///< instruction set that the kernels used
     std::size_t working_set = 0;  ///< memory that the step loop touches, of workspace and method [B]
     bool counts_method = true;    ///< false: the method does not count its part of it
-    Counters counters;            ///< after settling
+    Counters counters;            ///< counters after settling
     StepControl step_control = StepControl::fixed;
     double tolerance = 0.0;             ///< [1]
-    LocalErrorStatistics local_errors;  ///< after settling
+    LocalErrorStatistics local_errors;  ///< errors after settling
     std::uint64_t hash = 0;
     long outputs = 0;
 
@@ -76,10 +75,10 @@ struct RunReport : RunHistory {
 /// The report as lines of text for a person.
 [[nodiscard]] std::string summary(const RunReport& report);
 
-/// How far a run has come; delivered at output times.
+/// Progress of a run, delivered at output times.
 struct Progress {
     double begin, time, until;  ///< [s]; settling has begin < 0 = until
-    double wall;                ///< since the run began [s]
+    double wall;                ///< wall time since the run began [s]
     const Counters& counters;
     [[nodiscard]] bool settling() const noexcept { return begin < 0.0; }
 };
@@ -92,9 +91,9 @@ struct RunOptions {
     double checkpoint_every = 0.0;                   ///< wall time between checkpoints, at output times; 0: only if the run ends early [s]
     std::function<void(const std::string&)> notice;  ///< receives warnings before the run begins
     const Checkpoint* from = nullptr;                ///< checkpoint to resume; `file` is then the record to continue (record_to_continue)
-    bool replace = false;                            ///< with `from`: whether a file of that name that is not the run's own is replaced
-    std::string replaces;                            ///< identity of the run whose record `file` replaces; empty: of none
-    bool mixed = false;                              ///< with `from`: whether the checkpoint may be of another version of the program
+    bool replace = false;                            ///< replaces, with `from`, a file of that name that is not of the run
+    std::string replaces;                            ///< identity of the run whose record `file` replaces; empty: none
+    bool mixed = false;                              ///< accepts, with `from`, a checkpoint of another version of the program
 };
 
 /// Runs the scene to run.until. A fault ends the run with what was recorded so far on file and is part of the report.

@@ -217,7 +217,7 @@ namespace {
 
 [[nodiscard]] std::string percent(double share) { return fmt::format("{:.3g} %", 100.0 * share); }
 
-/// Why means are no results.
+/// Reason to doubt means.
 enum class Doubt { none, moves, brief, energy, few, uncertain };
 
 [[nodiscard]] Doubt doubt_of(const RunMeans& means, const MeanErrors& errors) noexcept {
@@ -279,7 +279,7 @@ struct Controlled {
     int fifth = 4;
 };
 
-/// Which of note_kinds() there are.
+/// Whether each of note_kinds() applies.
 [[nodiscard]] std::array<bool, std::size(kinds)> odd(const RunMeans& means, const EnergyBalance& balance) {
     if (means.curve().empty()) return {};
     const SpanMeans whole = means.all(), last = means.fifth(4);

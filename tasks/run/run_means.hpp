@@ -55,7 +55,7 @@ struct SpanMeans {
     [[nodiscard]] bool cycle_missed() const noexcept;
 };
 
-/// Where a run was farthest from its cycle.
+/// Largest deviation of a run from its cycle.
 struct CycleMiss {
     double time = 0.0;   ///< [s]
     double share = 0.0;  ///< speed of shaft 2 over what is needed, less 1
@@ -66,8 +66,8 @@ struct CycleMiss {
 
 /// Something about results that a reader must know. They are right by themselves.
 struct Note {
-    std::string_view name;  ///< for tables: gross_slip, …
-    std::string text;       ///< for people
+    std::string_view name;  ///< name in tables: gross_slip, …
+    std::string text;       ///< sentence for people
 };
 
 struct Scene;
@@ -78,7 +78,7 @@ struct Scene;
 class RunMeans {
 public:
     void clear() noexcept;
-    /// Before the first sample: means are over the last half of the time, and checked by the rule, if it is one.
+    /// Takes means over the last half of the time and checks them by the rule, if it has a tolerance. Call it before the first sample.
     void seek_steady(const SteadyRule& rule) noexcept;
     /// A sample. @param sums of the energies so far   @param pin_period see Workspace [s]   @param mark of the energies' ledger
     /// @param needed_speed of shaft 2, by a cycle; 0: none [rad/s]
@@ -91,7 +91,7 @@ public:
     /// Result of the last check; no batches: none yet.
     [[nodiscard]] const SteadyMeans& steady() const noexcept { return steady_; }
     [[nodiscard]] const SteadyRule& rule() const noexcept { return rule_; }
-    /// Why a run that ended is not steady; none if it is.
+    /// Reason why a run that ended is not steady; none if it is.
     [[nodiscard]] Fault steady_fault() const noexcept;
     /// Energies' ledger at the begin of the means. Without a rule where the run began.
     [[nodiscard]] EnergyMark mark() const noexcept { return curve_.empty() ? EnergyMark{} : curve_.at(begin()).mark; }
@@ -104,7 +104,7 @@ public:
     /// Errors of all(); no batches: too short to know them.
     [[nodiscard]] MeanErrors errors() const noexcept;
 
-    /// For checkpoints: continues bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
+    /// Memory for checkpoints, bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [save()]
 
@@ -129,7 +129,7 @@ struct NoteKind {
 [[nodiscard]] std::span<const NoteKind> note_kinds() noexcept;
 /// Notes on unusual results. @param balance of the run   @param pulleys whether there are any: else only losses are checked
 [[nodiscard]] std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, bool pulleys = true);
-/// Their names, blank between them, in `names`.
+/// Writes the names of notes to `names`, separated by blanks.
 void name_notes(const RunMeans& means, const EnergyBalance& balance, std::string& names);
 
 /// Adds the sample of a workspace at `time` [s], as `now` observes it.

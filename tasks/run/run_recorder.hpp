@@ -19,7 +19,7 @@ namespace cvtflow::tasks {
 class OutputMeans {
 public:
     OutputMeans() = default;
-    /// columns of which means are taken: whether each is
+    /// @param averaged columns of which means are taken
     explicit OutputMeans(std::vector<bool> averaged) : averaged_(std::move(averaged)), before_(averaged_.size()), sum_(averaged_.size()) {}
 
     [[nodiscard]] bool on() const noexcept { return !averaged_.empty(); }
@@ -34,7 +34,7 @@ public:
 
 private:
     std::vector<bool> averaged_;
-    double begin_ = 0.0, last_ = 0.0;  ///< of the mean, of the latest sample [s]
+    double begin_ = 0.0, last_ = 0.0;  ///< times of the begin of the mean and of the latest sample [s]
     bool any_ = false;
     std::vector<double> before_, sum_;  ///< [columns]: values [unit of the channel], integrals [unit s]
 };
@@ -56,7 +56,7 @@ public:
     /// Continues from there, with the rows of the record that options.from names.
     void restore(const std::vector<double>& position);
     /// Ends the record with the simulation as it is now, and completes the report: all but its history, its fault and what it ran with.
-    /// @param wall of the run; 0: since this was made [s]
+    /// @param wall time of the run; 0: time since construction [s]
     void finish(const Simulation& simulation, RunReport& report, double wall = 0.0);
     /// Time span of the present part of the run, for progress. begin [s], until [s]
     void begin_part(double begin, double until) noexcept;

@@ -65,7 +65,7 @@ std::string_view attribute_text(const engine::SavedState& saved, std::string_vie
     return energies;
 }
 
-/// As start_misfit(). @param then  scene that the state was settled with
+/// start_misfit() of a state that was settled with the scene `then`.
 [[nodiscard]] double misfit_between(const engine::SavedState& saved, const Scene& then, const Scene& scene) {
     if (model::Variator::same_machine(then.parameters, scene.parameters)) return 0.0;
     const model::ChainLayout own = model::layout_of(then.parameters);

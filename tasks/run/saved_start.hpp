@@ -31,7 +31,7 @@ inline constexpr std::string_view ledger_size_attribute = "ledger_size";
 /// Elastic energy that a state has in a scene's machine against that in the machine it was settled with: differences by kind, added up,
 /// over the latter. 0 where the state does not contain its scene, or other unknowns than the scene's.
 [[nodiscard]] double start_misfit(const engine::SavedState& saved, const Scene& scene);
-/// Beyond this misfit a state is another machine's: a run from it begins with a shock, and 20 ms later its slip is still wrong.
+/// Misfit above which a state is of another machine: a run from it begins with a shock, and 20 ms later its slip is still wrong.
 inline constexpr double start_misfit_tolerance = 0.01;
 /// "the state does not fit this machine: its elastic energy differs by 12 %"
 [[nodiscard]] std::string unfit_text(double misfit);

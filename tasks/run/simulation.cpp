@@ -226,7 +226,7 @@ void RunPart::inputs_changed() {
     rest_known_ = !controller_;
 }
 
-/// Its state is not saved.
+/// Discards the controller without its state.
 void RunPart::forget_controller() noexcept {
     controller_.reset();
     rest_known_ = true;

@@ -29,9 +29,9 @@ public:
 /// End of a call of Simulation::advance().
 struct Goal {
     double until = std::numeric_limits<double>::infinity();  ///< [s]
-    long steps = 0;  ///< at most this many further steps, in addition to run.max_steps: ends with a Fault of kind max_steps; 0: no limit
-    bool new_part = false;  ///< begins another part at the present time, with output times and counters of its own, settled or not
-    std::optional<double> max_wall = {};  ///< in place of run.max_wall [s], 0: no budget
+    long steps = 0;                       ///< maximum of further steps, besides run.max_steps, whose fault it shares; 0: no limit
+    bool new_part = false;                ///< begins another part at the present time, with new output times and counters, settled or not
+    std::optional<double> max_wall = {};  ///< replaces run.max_wall; 0: no budget [s]
     const bool* pause = nullptr;          ///< ends before the next step once it is true, with a Fault of kind cancelled; set by an observer
 };
 
@@ -46,7 +46,7 @@ public:
     /// Begins at the workspace's state; nothing runs yet. time [s]
     /// @param settles  as needs_settling()   @param balance_error_ratio, residual  IntegrationState::settling_… of the settling before it
     void begin(double time, bool settles, double balance_error_ratio = 0.0, double residual = 0.0);
-    /// Held inputs are not those of the last step: what follows may be fast.
+    /// Held inputs changed since the last step; expects a fast transient.
     void inputs_changed();
 
     // As those of Simulation.
@@ -65,7 +65,7 @@ public:
     [[nodiscard]] const Counters& counters() const noexcept { return saved_.started ? counters_ : saved_.counters; }
     /// Counters of the part before, as long as no step of this one has been taken.
     [[nodiscard]] const Counters& last_counters() const noexcept { return counters_; }
-    /// Likewise, if the scene asks for errors.
+    /// Local errors of the steps that last_counters() counts, if the scene asks for errors.
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// Choice of automatic steps, with its last estimate; nullptr: run.step is given.
     [[nodiscard]] const AutoStep* step_choice() const noexcept { return choice_.get(); }
@@ -79,16 +79,16 @@ private:
     const Scene& scene_;
     Integrator& integrator_;
     Workspace& workspace_;              ///< the integrator's
-    std::unique_ptr<AutoStep> choice_;  ///< of automatic steps
+    std::unique_ptr<AutoStep> choice_;  ///< nullptr: run.step is given
     bool needs_settling_ = false;
     double time_ = 0.0;  ///< [s]
     double step_ = 0.0;  ///< [s]
     Counters counters_;
     LocalErrorStatistics local_errors_;
-    mutable IntegrationState saved_;            ///< where the next call begins, but for what controller_ knows
-    mutable bool rest_known_ = true;            ///< saved_ is that of now
-    std::optional<StepController> controller_;  ///< of the last call, if the next one may continue with it
-    double paused_wall_ = 0.0;                  ///< of the calls since the last that did not end in a pause [s]
+    mutable IntegrationState saved_;            ///< state at the next call, except for what controller_ has
+    mutable bool rest_known_ = true;            ///< saved_ is up to date
+    std::optional<StepController> controller_;  ///< controller of the last call, if the next one may continue with it
+    double paused_wall_ = 0.0;                  ///< wall time of the calls since the last that did not end in a pause [s]
 };
 
 class Simulation {
@@ -113,14 +113,14 @@ public:
 
     /// Whether the start is geometric and has to settle before t = 0.
     [[nodiscard]] bool needs_settling() const noexcept { return part_.needs_settling(); }
-    /// Continues from the present state: that of the last call, of restore(), or the start. A geometric start settles first,
-    /// from t = -start.settling_time to t = 0 with clamping and load ramped up: that is a part of its own, with outputs at negative times,
-    /// and the call ends with it in any case. Where calls end does not change a bit of what follows. Ends with the first step at or after
-    /// the goal's time, or with a Fault.
+    /// Continues from the present state: that of the last call, of restore(), or the start. A geometric start settles first, from t =
+    /// -start.settling_time to t = 0 with clamping and load ramped up: that is a separate part, with outputs at negative times, and the
+    /// call ends with it in any case. Where calls end does not change a bit of what follows. Ends with the first step at or after the
+    /// goal's time, or with a Fault.
     [[nodiscard]] Fault advance(const Goal& goal, RunObserver& observer, const engine::Cancellation& cancel) {
         return part_.advance(goal, observer, cancel);
     }
-    /// Puts values in place of the tables of inputs, between runs. They are not those of the last step: what follows may be fast.
+    /// Puts values in place of the tables of inputs, between runs. A fast transient may follow.
     void hold(const model::HeldInputs& held) {
         workspace_->variator.hold(held);
         part_.inputs_changed();
@@ -143,7 +143,7 @@ public:
     /// Counters of the present part, or of the last one: settling, or the run.
     [[nodiscard]] const Counters& counters() const noexcept { return part_.last_counters(); }
     /// The largest EnergyLedger::balance_error_ratio() of settling and run: above 1 the results are wrong.
-    /// @param from  of the run as a whole only what came after this mark
+    /// @param from mark from which on the run counts
     [[nodiscard]] double balance_error_ratio(const std::optional<EnergyMark>& from = {}) const noexcept {
         return part_.balance_error_ratio(from);
     }
@@ -159,7 +159,7 @@ public:
     /// not taken; empty if none.
     [[nodiscard]] const std::vector<std::string>& start_differences() const noexcept { return start_differences_; }
 
-    /// With control.gains = "found": moves what the proportional part corrects at present into the integral part.
+    /// Moves the present correction of the proportional part into the integral part, with control.gains = "found".
     void move_offset() { part_.move_offset(); }
     /// The present state as a file for start.state.
     [[nodiscard]] engine::SavedState saved_state() const;
@@ -174,7 +174,7 @@ private:
     std::vector<std::string> start_differences_;
     /// Misfit of the last saved start in this machine: cases of a sweep often share both.
     struct CheckedStart {
-        std::uint64_t hash = 0;  ///< of the saved start
+        std::uint64_t hash = 0;  ///< hash of the saved start
         double misfit = 0.0;
     };
     std::optional<CheckedStart> checked_start_;

@@ -215,9 +215,9 @@ std::string with_values(std::string_view text, Scene scene) {
 /// Requirement that the values of some keys must satisfy together.
 struct Row {
     std::string_view keys{};                    ///< keys of the CrossCheck; empty: those of the row above, if it found nothing
-    bool (*when)(const Scene&) = nullptr;       ///< where this is true,
-    bool (*required)(const Scene&) = nullptr;   ///< this must be true
-    std::string_view violation{};               ///< for with_values()
+    bool (*when)(const Scene&) = nullptr;       ///< condition of the requirement
+    bool (*required)(const Scene&) = nullptr;   ///< the requirement
+    std::string_view violation{};               ///< text for with_values()
     Violation (*find)(const Scene&) = nullptr;  ///< instead of the three, where code is necessary
 };
 constexpr std::string_view also;

@@ -39,7 +39,7 @@ char csv_separator(std::string_view heading) {
 
 namespace {
 
-/// As csv_lines, numbers as they are.
+/// Splits as csv_lines() does; keeps numbers as written.
 std::vector<std::vector<std::string>> split(std::string_view text, char separator) {
     std::vector<std::vector<std::string>> lines(1, {""});
     bool quoted = false;
@@ -183,7 +183,7 @@ public:
     }
 
 private:
-    /// Which keys the table has. @return whether they make sense
+    /// Reads the keys of the table. @return whether they are valid
     bool keys(const Node::Table& table) {
         const std::size_t before = problems_.size();
         for (const Entry& entry : table) {

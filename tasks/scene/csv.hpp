@@ -17,7 +17,7 @@ namespace cvtflow::tasks {
 
 inline constexpr std::uint64_t longest_csv = std::uint64_t{64} << 20U;  ///< a million rows of six numbers [byte]
 
-/// Without white space around it.
+/// Text without white space around it.
 [[nodiscard]] std::string trimmed(std::string_view text);
 
 /// Separator of the cells of a heading line: a semicolon if it has one, else a comma, else a tab if there is one.
@@ -49,8 +49,8 @@ struct Heading {
 
 /// Sets a time table of the scene to the points of the file. Errors are appended to `problems` with the position of `node` and the place in
 /// the file, and leave the table unchanged.
-/// @param node   a table
-/// @param folder that a relative path counts from
+/// @param node a table
+/// @param folder base of a relative path
 void read_csv_points(const Parameter& parameter, const Node& node, const std::filesystem::path& folder, Scene& scene,
                      std::vector<Problem>& problems);
 

@@ -23,7 +23,7 @@ std::string range_text(const Parameter& parameter) {
     return fmt::format("{} to {}{}", number_text(parameter.min), number_text(parameter.max), unit);
 }
 
-/// How a value is written.
+/// Notation of a value.
 std::string form_text(const Parameter& parameter) {
     const auto usual = usual_units(parameter.unit);
     const std::string_view example = usual.empty() ? parameter.unit : usual.front();

@@ -52,7 +52,7 @@ bool lists(std::string_view list, std::string_view key) {
 struct Condition {
     std::string_view keys;  ///< separated by spaces; "heat.": a section
     bool (*acts)(const Scene&);
-    std::string_view otherwise;  ///< why they have no effect
+    std::string_view otherwise;  ///< reason why they have no effect
 };
 
 bool is_lubricated(const Scene& s) { return s.parameters.tip.friction_law == model::TipFriction::lubricated; }

@@ -40,10 +40,10 @@ struct Parameter {
     std::string_view unit;                  ///< SI unit of a number, "1" for a plain number; empty where there is no number
     double min = 0.0;                       ///< smallest value allowed, in `unit` [unit]
     double max = 0.0;                       ///< largest value allowed [unit]
-    std::vector<std::string_view> choices;  ///< of a choice, in the order of the enumerators; of an AutoNumber, its word
+    std::vector<std::string_view> choices;  ///< words of a choice, in the order of the enumerators; the word of an AutoNumber
     Slot (*member)(Scene&);                 ///< of<&Section::name>
     std::string_view meaning;
-    std::string_view source = "model choice";  ///< where the default comes from
+    std::string_view source = "model choice";  ///< origin of the default
 
     [[nodiscard]] std::string_view section() const noexcept { return key.substr(0, key.find('.')); }
     [[nodiscard]] std::string_view name() const noexcept { return key.substr(key.find('.') + 1); }
@@ -85,7 +85,7 @@ inline constexpr std::string_view level_key = "detail.level";
 /// A condition that the values of a scene must satisfy together.
 struct CrossCheck {
     std::vector<std::string_view> keys;  ///< keys whose values are compared; a problem is reported at the first that the scene gives
-    /// The violation (a full sentence with its key), or nothing. Expects every key to be in its own range.
+    /// The violation (a full sentence with its key), or nothing. Expects every key to be within its range.
     std::function<std::optional<std::string>(const Scene&)> violation;
 };
 [[nodiscard]] std::span<const CrossCheck> cross_checks();

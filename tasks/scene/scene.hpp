@@ -52,7 +52,7 @@ struct AutoNumber {
     bool operator==(const AutoNumber&) const = default;
 };
 
-/// How a scene is integrated and what is recorded.
+/// Settings of the integration and of the record.
 struct RunSettings {
     std::string method = "auto";  ///< name in the catalogue of methods, or auto: see method_of()
     AutoNumber step;              ///< fixed or longest [s]; automatic: as long as the method is stable and accurate at the present state
@@ -60,16 +60,16 @@ struct RunSettings {
     double tolerance = 1.0;         ///< limit of local errors, in units of ErrorScale [1]
     AutoNumber until = 5e-3;        ///< [s]; automatic: once the means are steady
     double steady = 0.01;           ///< largest error of means then (SteadyRule) [1]
-    double steady_limit = 16.0;     ///< such a run ends at the latest then [revolutions of the chain]
+    double steady_limit = 16.0;     ///< latest end of such a run [revolutions of the chain]
     double output_interval = 5e-5;  ///< channels [s]
     double state_interval = 2e-4;   ///< full states [s]
     long max_steps = 0;             ///< 0: no limit
     double max_wall = 0.0;          ///< wall-clock limit, 0: none [s]
-    int followed_pin = 0;           ///< pin whose own channels are recorded
+    int followed_pin = 0;           ///< pin whose channels are recorded
     std::string schedule = "auto";  ///< executor by name in the catalogue, or auto: the fastest by trials during the run
     Assembly assembly = Assembly::fused;
     PartitionKind partition = PartitionKind::equal;
-    int segments = 0;                   ///< parts of the chain that are tasks of their own; 0: as many as threads
+    int segments = 0;                   ///< parts of the chain that are separate tasks; 0: as many as threads
     int threads = 0;                    ///< 0: as many as this process may use
     std::uint64_t seed = 0;             ///< seed of all that is drawn by chance
     std::vector<std::string> channels;  ///< recorded beside the usual ones: names, or groups such as "tips/*"
@@ -91,13 +91,13 @@ struct Scene {
     model::Vehicle vehicle;  ///< load, drive and control of `parameters` follow from it and the cycle (derive)
     model::Cycle cycle;
     ControlGains gains = ControlGains::given;
-    DetailLevel level = DetailLevel::given;  ///< only while detail.level is read: then its keys are set, and state it (level_of)
+    DetailLevel level = DetailLevel::given;  ///< `given` except while detail.level is read: then its keys are set, and state it (level_of)
     std::string state_file;                  ///< absolute path of the state to start from; empty: geometric start
-    std::string state_place;     ///< where start.state was given, for problems that show later: `scene.toml:12:9: `; empty: nowhere
-    std::string method_place;    ///< the same of run.method
-    KeptState start_state;       ///< state that state_file holds, read once
-    std::string text;            ///< the TOML as it was read; not changed by set_values or apply_detail (see write_scene)
-    std::filesystem::path path;  ///< path of the file, as given
+    std::string state_place;                 ///< place of start.state, for problems that show later: `scene.toml:12:9: `; empty: nowhere
+    std::string method_place;                ///< the same of run.method
+    KeptState start_state;                   ///< state that state_file holds, read once
+    std::string text;                        ///< the TOML as it was read; not changed by set_values or apply_detail (see write_scene)
+    std::filesystem::path path;              ///< path of the file, as given
     std::vector<std::filesystem::path> named_files;  ///< files that its values name: CSV tables, and states whether they are used or not
 };
 
@@ -150,7 +150,7 @@ struct DetailPreset {
     int joint_points;
     model::PulleyDetail pulleys;
     double mass_scaling;   ///< [1]
-    double cost;           ///< processor time of a simulated second over that of "fine", each with its own automatic step [1]
+    double cost;           ///< processor time of a simulated second over that of "fine", each with its automatic step [1]
     double tension_error;  ///< error of the strands' tensions, the larger one, against the finest level at a quarter of its step [1]
     double slip_error;     ///< error of the slip, likewise [1]
 };
@@ -171,7 +171,7 @@ void apply_detail(Scene& scene, std::string_view preset);
 /// The method that a simulation of the scene takes: a name of the catalogue (tasks/method/method.hpp).
 [[nodiscard]] std::string method_of(const Scene& scene);
 
-/// When the run ends at the latest [s]; where it ends once it is steady, as its speed and ratio at t = 0 let expect.
+/// Latest end of the run [s]; for a run that ends once it is steady, an estimate by speed and ratio at t = 0.
 [[nodiscard]] double latest_end(const Scene& scene);
 
 /// The scene as TOML with every key: what a run used, whatever file, presets and settings it came from. parse_scene reads it back equal.

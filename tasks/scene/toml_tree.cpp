@@ -52,7 +52,7 @@ private:
             dots_ = 0;
     }
 
-    /// To the last quote of a text, of one line or several.
+    /// Advances to the last quote of a text, of one line or several.
     void skip_text(char quote) {
         const std::string three(3, quote);
         const bool lines = text_.compare(at_, 3, three) == 0;
@@ -63,7 +63,7 @@ private:
             else if (lines ? text_.compare(at_, 3, three) == 0 : text_[at_] == quote)
                 break;
             else if (!lines && text_[at_] == '\n')
-                return;  // not closed: an error of its own
+                return;  // not closed: a separate error
         }
         if (lines) at_ += 2;
     }

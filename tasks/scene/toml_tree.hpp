@@ -56,11 +56,10 @@ inline constexpr std::size_t max_problems = 100;
 /// up to longest_toml, keys of up to 256 characters and 32 parts, values nested up to 32 deep
 [[nodiscard]] std::variant<Node, Problem> parse_toml(const std::string& text);
 
-/// `"text"` with TOML's escapes.
+/// TOML literal of a text, with escapes.
 [[nodiscard]] std::string toml_text(const std::string& text);
 
-/// The first excess over the limits on size and depth, in one pass without memory of its own. Knows no more of the grammar than what is
-/// text and what is not.
+/// The first excess over the limits on size and depth, in one pass. Distinguishes no more of the grammar than texts from the rest.
 [[nodiscard]] std::optional<Problem> beyond_limits(const std::string& text);
 
 }  // namespace cvtflow::tasks

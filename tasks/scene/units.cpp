@@ -333,7 +333,7 @@ constexpr std::pair<std::string_view, std::string_view> unit_words[] = {
     {"deg", "degree degrees"},
 };
 
-/// Small letters, without signs and spaces: "kN*m" -> knm.
+/// Letters in lower case, without signs and spaces: "kN*m" -> knm.
 std::string plain(std::string_view symbol) {
     std::string text;
     for (const char letter : symbol)
@@ -386,7 +386,7 @@ std::string with_power(std::string_view symbol, const std::vector<std::string>& 
     return unit ? fmt::format("{}^{}", head, symbol.back()) : std::string{};
 }
 
-/// With six digits at most.
+/// Number with at most six digits.
 std::string short_text(double value) { return number_text(engine::number_of(fmt::format("{:.6g}", value)).value_or(value)); }
 
 }  // namespace

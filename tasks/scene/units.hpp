@@ -11,7 +11,7 @@
 
 namespace cvtflow::tasks {
 
-/// Exponents of m, kg, s, rad and K, counted in halves (Hertz' stiffness is in N/m^1.5). An angle has a dimension of its own: it
+/// Exponents of m, kg, s, rad and K, counted in halves (Hertz' stiffness is in N/m^1.5). An angle has a separate dimension: it
 /// distinguishes a speed of rotation (rad/s) from a frequency (Hz) and a torque (N*m) from a torsional stiffness (N*m/rad).
 struct Dimension {
     int length = 0;
@@ -56,7 +56,7 @@ struct DisplayUnit {
     double factor = 1.0;    ///< factor from the SI unit
 };
 
-/// How a quantity is shown whose name contains `part` ('_' for '/' and '.'); the first row that applies counts.
+/// Unit that shows a quantity whose name contains `part` ('_' for '/' and '.'); the first row that applies counts.
 struct DisplayRow {
     std::string_view si, part, shown;
     double factor;  ///< factor from the SI unit

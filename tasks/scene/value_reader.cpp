@@ -54,7 +54,7 @@ std::string real_text(double number) {
     return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
 }
 
-constexpr double usual_step = 1e-6;  ///< where a number may be automatic, that is of steps [s]
+constexpr double usual_step = 1e-6;  ///< usual size of an automatic number, which is a step [s]
 
 /// The default of a number, list or table (its first value); 0 for other kinds.
 double default_number(const Parameter& parameter) {
@@ -68,7 +68,7 @@ double default_number(const Parameter& parameter) {
     return 0.0;
 }
 
-/// How far apart two sizes are, in powers of e.
+/// Distance of two sizes in powers of e.
 double log_distance(double value, double usual) { return usual == 0.0 || value == 0.0 ? 0.0 : std::abs(std::log(std::abs(value / usual))); }
 
 class Reader {

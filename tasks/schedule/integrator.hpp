@@ -32,7 +32,7 @@ public:
 
     /// The next integration begins there, and the method has no past. The controller is to be made afterwards.
     void begin_at(const FrozenStart& start);
-    /// To the controller's stop. The controller is one of this workspace and method.
+    /// Runs until the controller stops. The controller is one of this workspace and method.
     void run(StepController& controller) { runner_.run(controller); }
     /// Other parameters, with which the state vector has the same layout; between two integrations.
     void adopt(const model::Parameters& parameters);

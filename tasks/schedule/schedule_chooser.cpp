@@ -6,7 +6,7 @@
 
 namespace cvtflow::tasks {
 
-/// Against the pace of work, in which neighbours' interference is already.
+/// Counts the loss against the pace of work, which includes interference by neighbours.
 void TrialBudget::tried(const Pace& pace, double work) noexcept { lost += pace.seconds * std::max(0.0, 1.0 - work / pace.per_cycle); }
 
 bool PaceWatch::changed(const Pace& pace, const ChooserOptions& options) noexcept {
@@ -116,7 +116,7 @@ void ScheduleChooser::tried_early(const Pace& pace) noexcept {
 void ScheduleChooser::tried(const Pace& pace) noexcept {
     Candidate& own = candidates_[static_cast<std::size_t>(now_)];
     own.turns.push_back(pace.per_cycle);
-    if (now_ != chosen_) budget_.tried(pace, work_);  // the chosen one's own turns are work
+    if (now_ != chosen_) budget_.tried(pace, work_);  // turns of the chosen one are work
     own.out = now_ != 0 && pace.per_cycle > options_.abandon_factor * work_;
     ++next_;
     next_turn();
@@ -151,7 +151,7 @@ double ScheduleChooser::lead(int candidate, int other) const noexcept {
     return other == chosen_ ? options_.min_lead : 1.0;
 }
 
-/// From the fewest threads on, more are taken only where they pay.
+/// Fastest candidate, with more threads only where they pay.
 int ScheduleChooser::fastest() const noexcept {
     int best = 0;
     for (const int each : by_threads_) {

@@ -22,20 +22,20 @@ namespace cvtflow::tasks {
 
 struct ChooserOptions {
     double window = 0.05;           ///< work between two checks of the clock [s]
-    double turn = 0.004;            ///< of a candidate on trial [s]
+    double turn = 0.004;            ///< length of a turn of a candidate on trial [s]
     int rounds = 5;                 ///< turns of each candidate in a check
-    double max_trial_share = 0.01;  ///< of all time
+    double max_trial_share = 0.01;  ///< largest cost of trials as a share of the time
     double meeting = 0.25e-6;       ///< time in which threads meet that are tried early [s] (DECISIONS 19)
     double gain = 1.05;             ///< speed-up that threads which are not in use yet must bring [1]
     double min_lead = 1.02;         ///< speed-up with which one replaces another, and which that must keep over fewer threads [1]
     double abandon_factor = 1.5;    ///< a turn slower than work by this factor ends a candidate's part in a check [1]
     double drift = 1.12;            ///< change of pace, two windows in a row, that calls for a check [1]
-    double changed_links = 0.1;     ///< change in the number of touching links that does, as a share of it
+    double changed_links = 0.1;     ///< relative change in the number of touching links that calls for a check
     double first_period = 1.0;      ///< longest time to the next check … [s]
     double longest_period = 30.0;   ///< … doubled up to here as long as the choice stays [s]
 };
 
-/// How a stretch of steps went.
+/// Measured pace of a series of steps.
 struct Pace {
     double seconds = 0.0;    ///< wall time, the arrival of threads included [s]
     double per_cycle = 0.0;  ///< wall time per cycle once threads have arrived [s]
@@ -105,9 +105,9 @@ public:
 private:
     struct Candidate {
         int threads = 1;
-        std::vector<double> turns;  ///< of the present check; room for all rounds [s]
+        std::vector<double> turns;  ///< times per cycle in the present check; room for all rounds [s]
         double median = 0.0;        ///< [s]
-        bool out = false;           ///< of the present check
+        bool out = false;           ///< takes no further turn in the present check
     };
 
     void worked(const Pace& pace) noexcept;
@@ -126,9 +126,9 @@ private:
     int now_ = 0, chosen_ = 0;
     bool trying_ = false;       ///< candidate() is on trial
     bool checking_ = false;     ///< a check has begun and not ended
-    bool asks_ = false;         ///< is to be answered
+    bool asks_ = false;         ///< asks() waits for its answer
     bool tried_early_ = false;  ///< the early turn is over
-    int next_ = 0, round_ = 0;  ///< whose turn in the check
+    int next_ = 0, round_ = 0;  ///< candidate and round of the next turn in the check
     double work_ = 0.0;         ///< time per cycle of the last window of work; 0: there was none [s]
     TrialBudget budget_;
     PaceWatch watch_;

@@ -34,7 +34,7 @@ private:
     bool over_ = false;
     int held_ = stop;                ///< cycle kept back
     long steps_ = 0, readings_ = 0;  ///< steps seen; readings of the clock since the run was taken up
-    long cycles_ = 0;                ///< since `counted_`
+    long cycles_ = 0;                ///< cycles since `counted_`
     Clock::time_point taken_up_ = Clock::now(), counted_ = taken_up_;
 };
 

@@ -23,7 +23,7 @@ public:
     /// Runs until the controller returns stop. Allocates at the beginning, whenever the schedule changes, and where
     /// ScheduleChooser::asks().
     void run(StepController& controller);
-    /// Between runs: releases threads that would wait for the next run on a processor.
+    /// Releases threads that would wait on a processor for the next run. Call it between runs.
     void release_threads() const noexcept;
 
     /// Graphs are built anew, with the tasks of another method.
@@ -62,7 +62,7 @@ private:
     std::vector<Slot> slots_;
     engine::StampRecorder* recorder_;
     std::vector<int> cuts_;  ///< room for balanced borders
-    LinkCosts costs_;        ///< by which they are balanced
+    LinkCosts costs_;        ///< costs by which borders are balanced
     long repartitions_ = 0, pauses_ = 0;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Why a run ended before its end: values inside the graph, texts outside it.
+/// Reasons why a run ended early: values inside the graph, texts outside it.
 
 #include <optional>
 #include <string>
@@ -26,7 +26,7 @@ struct Fault {
     double time = 0.0;            ///< [s]
     std::optional<int> pin = {};  ///< pin whose link shows it; nothing: none in particular
     double value = 0.0;           ///< depth or radius [m], limit of the budget, largest error of means over run.steady, or slip [1]
-    double limit = 0.0;           ///< what it exceeded [unit of what is limited]
+    double limit = 0.0;           ///< limit that `value` exceeded
 
     [[nodiscard]] explicit operator bool() const noexcept { return kind != FaultKind::none; }
     /// One line for a user: what happened, when, where.

@@ -73,8 +73,7 @@ struct FrozenStart {
     double time = 0.0;                 ///< [s]
     std::vector<double> state;         ///< [layout.size()]
     std::vector<model::Phase> phases;  ///< [4 links]
-    double balance_error_ratio =
-        0.0;  ///< of the integration that led here (Simulation::balance_error_ratio); above 1 the state is wrong [1]
+    double balance_error_ratio = 0.0;  ///< ratio of the integration that led here; above 1 the state is wrong
 };
 
 }  // namespace cvtflow::tasks

@@ -18,7 +18,7 @@ enum Cycle : int {
     locate_cycle,    ///< find the earliest transition of each segment on the interpolant
     truncate_cycle,  ///< state at the earliest transition of all, phases changed there
     observe_cycle,   ///< losses and energies of every link at the step's start
-    method_cycles,   ///< first number of a step method's own cycles
+    method_cycles,   ///< first number of the cycles of a step method
 };
 
 /// Fields of the workspace, for the race check. A unit of range is one link, except for `result`: one segment.
@@ -44,7 +44,7 @@ enum class Field {
     velocity_slope,
     force,
     mean_tip_force,   // of friction inside a step
-    further_assembly  // first number of its own fields
+    further_assembly  // first number of its fields
 };
 
 struct AssemblyOptions {
@@ -63,7 +63,7 @@ public:
 
     LinkAccesses& own(Field field, bool write) { return range(field, own_.first, own_.last, write); }
     LinkAccesses& with_halo(Field field) { return with_halo(field, layout_.halo()); }
-    /// With as many neighbours as contact of its tips depends on.
+    /// Reads of the range and of the neighbours that contact of its tips depends on.
     LinkAccesses& with_near(Field field) { return with_halo(field, layout_.probe_halo()); }
     LinkAccesses& segment(Field field, bool write) { return range(field, segment_, segment_ + 1, write); }
     LinkAccesses& range(Field field, int begin, int end, bool write) {
@@ -98,7 +98,7 @@ void add_transition_tasks(engine::TaskGraph& graph, const Workspace& workspace, 
 
 /// An assembly that a program knows beyond the product's (bench/staged).
 struct FurtherAssembly {
-    /// Not frozen. The context of its tasks is the workspace.
+    /// Makes the graph, which is not frozen. The context of its tasks is the workspace.
     engine::TaskGraph (*graph)(const Workspace& workspace, const AssemblyOptions& options);
     std::unique_ptr<AssemblyMemory> (*memory)(Workspace& workspace);
 };

@@ -1,5 +1,5 @@
 #pragma once
-/// How one step is taken. The controller decides when a step begins, whether it is accepted and where it is cut; a step method decides
+/// The method of one step. The controller decides when a step begins, whether it is accepted and where it is cut; a step method decides
 /// which cycles of the task graph lead from the start to the result. StageMethod is the method of tables.
 
 #include <algorithm>
@@ -26,8 +26,8 @@ public:
     [[nodiscard]] virtual CycleSequence step() = 0;
     [[nodiscard]] virtual AtTransition at_transition() const noexcept { return AtTransition::interpolate; }
 
-    /// Adds the method's own cycles to a graph that is not frozen yet, numbered from method_cycles on; their tasks are members of the
-    /// method (engine::code_of). Called again whenever segments change.
+    /// Adds the method's cycles to a graph that is not frozen yet, numbered from method_cycles on; their tasks are members of the method
+    /// (engine::code_of). Called again whenever segments change.
     virtual void add_tasks(engine::TaskGraph& graph) { (void)graph; }
 
     /// The workspace's segments have changed.
@@ -40,12 +40,12 @@ public:
 
     /// Row that combines the estimate of the local error from the slots once the step is done; nothing: the method makes none.
     [[nodiscard]] virtual std::optional<engine::PlanStep> error_row() const noexcept { return {}; }
-    /// That estimate falls like the step to this power; 0 without an estimate.
+    /// Power of the step to which the estimate is proportional; 0 without an estimate.
     [[nodiscard]] virtual int error_power() const noexcept { return 0; }
     /// Longest step that the method can take now, at most `requested` [s]. Called before a step of free length.
     [[nodiscard]] virtual double longest_step(double requested) { return requested; }
 
-    /// Its memory from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after
+    /// Memory of the method between steps, without the workspace's state, phases and times of their changes, for checkpoints: load() after
     /// restart() continues bitwise from where save() was called. Empty for methods without memory.
     virtual void save(std::vector<double>& memory) const { memory.clear(); }
     /// @param memory from save(); empty: a run begins at the workspace's state
@@ -72,7 +72,7 @@ private:
 /// Ends an evaluation of the right-hand side whose links are done: slope of everything behind the links, and counts it.
 /// @param time [s]   @param tail state behind the links   @param slope whole slope vector
 void close_evaluation(Workspace& workspace, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept;
-/// Likewise after the evaluate cycle of a stage (step.row).
+/// Ends the evaluation in the evaluate cycle of a stage (step.row).
 void close_evaluation(Workspace& workspace) noexcept;
 
 /// The next numbers of a memory (StepMethod::save), which comes from files and hosts and may be anything; it then begins behind
@@ -113,7 +113,7 @@ protected:
     [[nodiscard]] Workspace& workspace() noexcept { return w_; }
 
 private:
-    /// Where the slope at the next step's start is to be found: slope slot 0, or the last stage's.
+    /// Place of the slope at the next step's start: slope slot 0, or the last stage's.
     enum class SlopeAt { nowhere, start, last };
     static constexpr double never = -1e300;  ///< [s]
 
@@ -125,7 +125,7 @@ private:
     Workspace& w_;
     const engine::CompiledPlan* plan_;
     int error_power_;
-    double begun_ = never;  ///< when the last step began; never: no step since restart() [s]
+    double begun_ = never;  ///< begin of the last step; never: no step since restart() [s]
     SlopeAt slope_at_ = SlopeAt::nowhere;
 };
 

@@ -27,7 +27,7 @@ model::PhaseRule rule_of(const model::Parameters& p) {
 Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_plan, Partition parts)
     : parameters(p), variator(p), plan(stage_plan), rule(rule_of(p)) {
     const std::size_t size = static_cast<std::size_t>(layout().size());
-    const std::size_t stride = (size + 7) / 8 * 8;  // every slot begins on a cache line of its own
+    const std::size_t stride = (size + 7) / 8 * 8;  // every slot begins on a new cache line
     const std::size_t arrays = static_cast<std::size_t>(plan.state_slots() + plan.slope_slots()) + 3;
     memory_.assign(arrays * stride, 0.0);
     double* next = memory_.data();

@@ -57,7 +57,7 @@ private:
 struct Transition {
     double theta = 2.0;                    ///< share of the step at which it is due; > 1: none
     int tip = -1;                          ///< 4 link + 2 end + side
-    model::Phase to = model::Phase::free;  ///< what it becomes
+    model::Phase to = model::Phase::free;  ///< phase after the transition
 };
 
 /// Result of a segment in a detect, locate or truncate cycle.
@@ -71,28 +71,28 @@ struct alignas(64) SegmentResult {
 
 /// Treatment of a step in which tips are due to change their phase.
 enum class AtTransition {
-    interpolate,  ///< it is cut there: on the cubic through both ends and their slopes, of which slopes[0] must hold that at the start
-    repeat,       ///< it is taken again up to there, found by positions and velocities at both ends
+    interpolate,  ///< the step is cut on the cubic through both ends and their slopes, of which slopes[0] must hold that at the start
+    repeat,       ///< the step is repeated up to the transition, found by positions and velocities at both ends
     inside        ///< the method has changed the phases itself: nothing is searched for
 };
 
 /// The present step; written by the controller between cycles, read by every task.
 struct StepInput {
     double time = 0.0;             ///< t at the step's start [s]
-    double h = 0.0;                ///< its length [s]
+    double h = 0.0;                ///< length of the step [s]
     double dwell = 0.0;            ///< minimum time between two phase changes of a tip [s]
     double search_until = 0.0;     ///< end of the proposed step; transitions are searched for up to here [s]
     engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
-    double theta = 1.0;            ///< where a truncate cycle cuts, share of the step
+    double theta = 1.0;            ///< place at which a truncate cycle cuts, share of the step
     bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links
-    engine::PlanStep error_row{};  ///< how
-    ErrorScale error_scale;        ///< in which units
-    Transition due;                ///< what it cuts for
+    engine::PlanStep error_row{};  ///< row that combines the error
+    ErrorScale error_scale;        ///< units of the error
+    Transition due;                ///< transition at which a truncate cycle cuts
     bool end_state_ready = false;  ///< the step method has left the links' result in end_state; a detect cycle combines nothing
-    long evaluations = 0;          ///< of the right-hand side, so far
+    long evaluations = 0;          ///< evaluations of the right-hand side so far
     double* slope_out = nullptr;   ///< [layout.size()] where an evaluate cycle writes slopes
     bool evaluate_end = false;     ///< an evaluate cycle works at the end of the step instead of a stage
-    AtTransition at_transition = AtTransition::interpolate;  ///< of the method
+    AtTransition at_transition = AtTransition::interpolate;  ///< treatment of transitions by the method
 
     /// Whether slopes at both ends are made from the states there.
     [[nodiscard]] bool slopes_from_states() const noexcept { return at_transition != AtTransition::interpolate; }
@@ -103,7 +103,7 @@ struct LinkFields {
     std::vector<model::LinkLoad> loads;  ///< [links]
     std::vector<model::SheaveSum>
         sums;                     ///< [variator.sums()] of loads; by the segment that has all links of a sum, in a fused evaluate cycle
-    std::vector<int> split_sums;  ///< those whose links several segments share
+    std::vector<int> split_sums;  ///< sums whose links several segments share
     std::vector<model::Account> accounts;  ///< [links * account_parts], by an observe cycle; with a ledger in the state by every evaluation
     std::vector<model::LinkContact> contacts;  ///< [links] by an observe cycle, where `observed` is set
     bool observed = false;                     ///< set before an observe cycle: what it leaves is for observers, too, until the next step
@@ -118,23 +118,23 @@ struct TipState {
     std::vector<model::TipIndicator> after;   ///< [4 links] at its end
     std::vector<model::TipProbe> probes;      ///< [links] the same with the links' radii
     std::vector<double> changed;              ///< [4 links] time of the last change of phase [s]
-    bool have_changed = false;                ///< in the present step (AtTransition::inside)
+    bool have_changed = false;                ///< a phase changed in the present step (AtTransition::inside)
 };
 
 /// Memory of an assembly of the laboratory in a workspace (FurtherAssembly).
 class AssemblyMemory {
 public:
     virtual ~AssemblyMemory() = default;
-    /// After every change of the tips' phases.
+    /// Called after every change of the tips' phases.
     virtual void phases_changed() noexcept = 0;
 };
 
 /// State behind the links: pulleys, control and ledger; written by the controller.
 struct PulleyFields {
     std::vector<double> tail;                   ///< [tail_size()] stage state
-    model::SheaveMotion sheaves[4]{};           ///< of the stage
-    model::SheaveMotion end_sheaves[4]{};       ///< at the step's end
-    model::SheaveMotion observed_sheaves[4]{};  ///< at the step's start, for an observe cycle
+    model::SheaveMotion sheaves[4]{};           ///< sheaves at the stage
+    model::SheaveMotion end_sheaves[4]{};       ///< sheaves at the step's end
+    model::SheaveMotion observed_sheaves[4]{};  ///< sheaves at the step's start, for an observe cycle
 };
 
 class Workspace {
@@ -144,7 +144,7 @@ public:
     Workspace& operator=(const Workspace&) = delete;
 
     model::Parameters parameters;  ///< changed by adopt() only, as variator and rule
-    model::Variator variator;      ///< also constant but for inputs that are held
+    model::Variator variator;      ///< constant but for held inputs
     const engine::CompiledPlan plan;
     model::PhaseRule rule;
 
@@ -154,9 +154,9 @@ public:
 
     // Fields over the state vector: [slot][layout.size()].
     std::vector<double*> states;  ///< state slots; 0 = y at the step's start, unless columns have it: see state()
-    std::vector<double*> slopes;  ///< slope slots; 0 = its slope
+    std::vector<double*> slopes;  ///< slope slots; 0 = slope at the step's start
     double* end_state;            ///< y at the step's end
-    double* end_slope;            ///< its slope with the step's phases, only if a transition has to be located
+    double* end_slope;            ///< slope at the step's end with the phases of the step, only if a transition has to be located
     double* cut_state;            ///< y at theta [unknowns]
 
     LinkFields links;
@@ -165,11 +165,11 @@ public:
 
     std::vector<model::LineVector<double>> windows;  ///< [segments] stage states of the segment's links and of the layout's halo
     std::vector<SegmentResult> segment_results;      ///< [segments]
-    FrameMemory frame;                               ///< of the controller's coroutine
+    FrameMemory frame;                               ///< frame of the controller's coroutine
     EnergyLedger energy;                             ///< works, losses and balance of the present part, written by the controller
     model::HeatBalance heat;                         ///< temperatures, changed at outputs by the controller
-    model::Trip trip;                                ///< of the scene's vehicle; empty without a cycle
-    std::unique_ptr<AssemblyMemory> further;         ///< of the assembly that the laboratory adds; nullptr in the product
+    model::Trip trip;                                ///< trip of the scene's vehicle; empty without a cycle
+    std::unique_ptr<AssemblyMemory> further;         ///< memory of the laboratory's assembly; nullptr in the product
     bool sums_missing = false;                       ///< evaluate cycles of the present assembly do not fill links.sums
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
@@ -204,7 +204,7 @@ public:
     void warm() noexcept { variator.warm(parameters, heat.film()); }
     /// Sets other segments; while no executor runs, and between two steps. Then call StepMethod::repartitioned.
     void repartition(Partition parts);
-    /// After every change of phases.
+    /// Reports a change of phases to the assembly. Call it after every one.
     void phases_changed() noexcept {
         if (further) further->phases_changed();
     }

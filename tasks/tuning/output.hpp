@@ -34,7 +34,6 @@ struct Figure {
     bool usual;                                         ///< part of the default outputs
     double least = std::numeric_limits<double>::min();  ///< an error is |is - expected| over |expected|, or over this where that is less
 };
-/// All there are.
 [[nodiscard]] std::span<const Figure> figures() noexcept;
 
 /// A figure, or a scalar as in a sweep ("slip median", "tips/axial_force[*] max").
@@ -55,7 +54,7 @@ struct TunedOutput {
 /// Reads outputs of a run, from a time on.
 class OutputReader final : public RunObserver {
 public:
-    /// from [s]. Both must outlive it.
+    /// @param variator, outputs must outlive this @param from begin of the part that counts [s]
     OutputReader(const model::Variator& variator, std::span<const TunedOutput> outputs, int followed_pin, double from);
 
     /// time [s]
@@ -79,7 +78,7 @@ private:
     double tip_ = 0.0, thrust_ = 0.0;  ///< sums [N], [1]
     long count_ = 0;
     std::vector<Reducer> reducers_;
-    std::vector<double> numbers_;  ///< of one channel
+    std::vector<double> numbers_;  ///< numbers of one channel
 };
 
 }  // namespace cvtflow::tasks

@@ -23,12 +23,12 @@ namespace cvtflow::tasks {
 
 struct OperatingPoint {
     std::string name;                ///< "start", "load.torque = 230", "case 17"
-    Scene scene;                     ///< with its inputs, at its own detail
+    Scene scene;                     ///< scene with the inputs of the point; no choice applied
     double from = 0.0, until = 0.0;  ///< outputs count from there to there [s]
-    bool settles = false;            ///< every choice settles from its own geometric start; else all begin with the same state
+    bool settles = false;            ///< every choice settles from a geometric start; else all begin with the same state
 };
 
-/// How long a point is run: what a change of detail stirs up dies down before outputs count.
+/// Durations of a run at a point: a change of detail excites vibrations, which decay before outputs count.
 struct PointTimes {
     double settle = 20e-3;   ///< [s]
     double average = 16e-3;  ///< [s]
@@ -50,9 +50,9 @@ struct PointTimes {
 
 /// A choice for a scene.
 struct TuneChoice {
-    std::string detail;  ///< a preset; empty: the scene's own
+    std::string detail;  ///< name of a preset; empty: detail of the scene
     std::string method;
-    double share = 1.0;  ///< of the automatic step; 1: automatic steps [1]
+    double share = 1.0;  ///< share of the automatic step; 1: automatic steps
 
     /// "medium, leapfrog-chebyshev, 1/2 of the automatic step"
     [[nodiscard]] std::string text() const;
@@ -68,7 +68,7 @@ struct TuneChoice {
 /// where they roll on each other. Control and ledger are left out: they begin at zero.
 [[nodiscard]] engine::SavedState convert_state(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to);
 
-/// Until when measurements may take.
+/// Time limit of measurements.
 class Deadline {
 public:
     /// Begins a budget. seconds [s], 0: no limit
@@ -77,7 +77,7 @@ public:
         end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(seconds, 1e9)));
     }
     void clear() noexcept { limited_ = false; }
-    /// For Goal::max_wall: what is left, never quite nothing; 0: no limit [s].
+    /// Time left for Goal::max_wall, always above zero; 0: no limit [s].
     [[nodiscard]] double left() const noexcept {
         return limited_ ? std::max(1e-9, std::chrono::duration<double>(end_ - Clock::now()).count()) : 0.0;
     }
@@ -96,12 +96,12 @@ struct BudgetUsedUp {};
 
 /// A run of a choice at a point.
 struct PointRun {
-    std::vector<double> values;  ///< of the outputs
-    std::string objection;       ///< why they are invalid: a fault, or an energy balance that does not close; empty if valid
+    std::vector<double> values;  ///< values of the outputs
+    std::string objection;       ///< reason why `values` are invalid: a fault, or an energy balance that does not close; empty: valid
     double step = 0.0;           ///< fixed one; 0: automatic [s]
     double seconds = 0.0;        ///< processor time per simulated second [s/s]
     double work = 0.0;       ///< evaluations of the right-hand side times unknowns, per simulated second: the same on every machine [1/s]
-    std::uint64_t hash = 0;  ///< of the state at the end of a trial
+    std::uint64_t hash = 0;  ///< hash of the state at the end of a trial
     bool unsteady = false;   ///< means that counted still change
 };
 
@@ -144,10 +144,10 @@ private:
     std::span<const TunedOutput> outputs_;
     const engine::Cancellation& cancel_;
     const Deadline& deadline_;
-    std::optional<engine::SavedState> settled_;  ///< at the finest detail, or the scene's own state
-    Scene settled_with_;                         ///< what its numbers mean
-    std::map<double, PointRun> references_;      ///< by share of the automatic step
-    double agreement_ = 0.0;                     ///< of the present reference [1]
+    std::optional<engine::SavedState> settled_;  ///< start state of the scene, or one settled at the finest detail
+    Scene settled_with_;                         ///< scene of `settled_`
+    std::map<double, PointRun> references_;      ///< references by share of the automatic step
+    double agreement_ = 0.0;                     ///< largest difference of `reference_` to one with twice its step
     const PointRun* reference_ = nullptr;
     std::string objection_, reference_text_;
 };

@@ -37,7 +37,7 @@ void keep_tuning(const std::filesystem::path& folder, const std::string& key, co
 struct TunedScene {
     Scene scene;  ///< ready to run
     KeptTuning kept;
-    std::optional<TuneResult> result;  ///< if it was measured now
+    std::optional<TuneResult> result;  ///< result of a search; nothing: the choice was kept from before
 };
 
 /// The scene as it should be run for an accuracy: as written but for detail, method and step, which are as kept, else measured and kept.

@@ -30,7 +30,7 @@ namespace {
 using WallClock = std::chrono::steady_clock;
 
 constexpr const char* out_of_time = "budget used up";
-constexpr double gained_by_halving = 4.0;  ///< at most, by a method of second order
+constexpr double gained_by_halving = 4.0;  ///< largest ratio of the errors, for methods of second order
 
 double seconds_since(WallClock::time_point then) { return std::chrono::duration<double>(WallClock::now() - then).count(); }
 
@@ -149,7 +149,7 @@ PointRun run_of(const TuneChoice& choice, PointMeasure& point) {
 
 }  // namespace
 
-/// Why its errors are too large; empty if they are not.
+/// Text of an error that is too large; empty: none is.
 std::string Tuner::objection_to(const TunedChoice& candidate, const TuneResult& result) const {
     if (candidate.error() <= result.accuracy / tuning_margin) return "";
     const auto worst = std::max_element(candidate.errors.begin(), candidate.errors.end()) - candidate.errors.begin();
@@ -157,7 +157,7 @@ std::string Tuner::objection_to(const TunedChoice& candidate, const TuneResult& 
                        candidate.worst);
 }
 
-/// Until it fails at one of them.
+/// Measures a candidate at all points, until it fails at one of them.
 void Tuner::try_at_points(TunedChoice& candidate, TuneResult& result) {
     for (std::size_t i = 0; i < points_.size(); ++i) {
         if (const auto found = judged_.find(i); found != judged_.end() && !found->second) continue;
@@ -275,7 +275,7 @@ engine::SavedState Tuner::settled_state(const TuneChoice& choice) {
 
 namespace {
 
-constexpr double shares[] = {1.0, 0.5, 0.25};  ///< of the automatic step
+constexpr double shares[] = {1.0, 0.5, 0.25};  ///< shares of the automatic step
 constexpr std::size_t max_methods = 3;
 constexpr double method_reach = 2.0;    ///< methods that cost this many times as much as the cheapest are left out
 constexpr double method_trial = 50e-6;  ///< [s]

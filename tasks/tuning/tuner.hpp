@@ -2,8 +2,8 @@
 /// Finds the cheapest detail, method and step for a target accuracy of the outputs, by measuring.
 ///
 /// Choices (levels of detail x methods x shares of the automatic step) are tried in the order of what they cost, at every operating point,
-/// against a reference of the finest detail that passes a test of its own. The first one whose errors, times a margin, stay within the
-/// target everywhere is taken; nothing that ended early or whose energy balance does not close ever is.
+/// against a reference of the finest detail that passes a separate test. The first one whose errors, times a margin, stay within the target
+/// everywhere is taken; nothing that ended early or whose energy balance does not close ever is.
 
 #include <deque>
 #include <functional>
@@ -23,18 +23,18 @@ struct TradeoffPoint {
     double seconds = 0.0;  ///< wall time per simulated second [1]
 };
 
-/// For each point whether it is on the front: no other has a smaller error at no more time, or less time at no larger an error.
+/// Whether each point is on the front: no other has a smaller error at no more time, or less time at no larger an error.
 [[nodiscard]] std::vector<bool> pareto_front(const std::vector<TradeoffPoint>& points);
 
 /// Safety factor: errors at an untried point may be larger than at the tried points by this factor.
 inline constexpr double tuning_margin = 2.0;
-/// By which share of what is allowed a reference may differ from one with twice its step [1].
+/// Largest difference of a reference to one with twice its step, as a share of the allowed error.
 inline constexpr double reference_share = 0.25;
 
 struct TuneSettings {
-    double accuracy = 0.01;            ///< of every output [1]
+    double accuracy = 0.01;            ///< target error of every output
     std::vector<std::string> outputs;  ///< figures or scalars; none: the usual figures
-    std::vector<std::string> methods;  ///< to choose from; none: the default method and the cheapest of the catalogue
+    std::vector<std::string> methods;  ///< candidates; none: the default method and the cheapest of the catalogue
     double budget = 0.0;               ///< wall time of the search, whatever it measures then; 0: no limit [s]
     /// Rank by work alone and by the default method, so that every machine and every run chooses the same.
     bool same_everywhere = false;
@@ -45,14 +45,14 @@ struct TuneSettings {
 struct TunedChoice {
     TuneChoice choice;
     double seconds = 0.0;        ///< processor time per simulated second, median of rounds in turns [s/s]
-    double spread = 0.0;         ///< of the rounds, over their median: a busy machine shows here [1]
-    double work = 0.0;           ///< see PointRun::work [1/s]
-    bool tried = false;          ///< at one point at least
-    std::vector<double> errors;  ///< of every output, the largest of all points tried [1]
+    double spread = 0.0;         ///< range of the rounds over their median, large on a busy machine
+    double work = 0.0;           ///< PointRun::work [1/s]
+    bool tried = false;          ///< measured at one point at least
+    std::vector<double> errors;  ///< largest error of every output at all points tried
     std::string worst;           ///< the point with the largest error
     std::string outcome;         ///< "chosen", "meets the target", or why it is not taken
     bool front = false;          ///< no other that was tried is both cheaper and more exact
-    double step = 0.0;           ///< at the first point, if it is fixed; 0: automatic [s]
+    double step = 0.0;           ///< fixed step at the first point; 0: automatic [s]
 
     [[nodiscard]] double error() const noexcept { return largest(errors); }
 };
@@ -61,16 +61,16 @@ struct TuneResult {
     std::string scene;
     double accuracy = 0.0;                ///< target [1]
     std::vector<std::string> outputs;     ///< names
-    std::vector<std::string> points;      ///< at which choices were judged
-    std::vector<std::string> references;  ///< of those points, how each came about
+    std::vector<std::string> points;      ///< points at which choices were judged
+    std::vector<std::string> references;  ///< origins of the references of those points
     std::vector<std::string> left_out;    ///< points and methods that were left out, with the reason
-    std::vector<TunedChoice> choices;     ///< in the order in which they were considered
-    std::optional<std::size_t> chosen;    ///< among them
-    std::string used_up_by;               ///< what was being measured when the budget was used up; empty: it was not
-    double wall = 0.0;                    ///< what it took [s]
+    std::vector<TunedChoice> choices;     ///< choices in the order of consideration
+    std::optional<std::size_t> chosen;    ///< index of the chosen one
+    std::string used_up_by;               ///< measurement that used up the budget; empty: none
+    double wall = 0.0;                    ///< wall time of the search [s]
 
     [[nodiscard]] long tried() const noexcept;
-    /// Why nothing was chosen: "no choice has errors times 2 within the target", or that the budget was used up, and by what.
+    /// Reason why nothing was chosen: "no choice has errors times 2 within the target", or that the budget was used up, and by what.
     [[nodiscard]] std::string why_none() const;
 };
 
@@ -88,7 +88,7 @@ public:
     /// @throws SimulationError: no point has a reference; interrupted
     [[nodiscard]] TuneResult tune(double accuracy);
 
-    /// Errors of a choice at a point of its own. Empty and the reason in `why` if that point has no reference. accuracy [1]
+    /// Errors of a choice at another point. Empty and the reason in `why` if that point has no reference. accuracy [1]
     [[nodiscard]] std::vector<double> errors_at(const TuneChoice& choice, OperatingPoint point, double accuracy, std::string& why);
 
     /// The state with which outputs begin to count at the first point with a choice: settled at its detail, at t = 0.
@@ -124,10 +124,10 @@ private:
     std::deque<PointMeasure> points_;
     std::vector<std::string> methods_, left_out_;
     std::vector<TunedChoice> ranked_;                               ///< cheapest first
-    std::map<std::pair<std::string, std::size_t>, PointRun> runs_;  ///< by choice and point
+    std::map<std::pair<std::string, std::size_t>, PointRun> runs_;  ///< runs by choice and point
     std::map<std::size_t, bool> judged_;  ///< points at which a choice has run for the present accuracy: whether they have a reference
     Deadline deadline_;
-    std::string measuring_;  ///< what say() reported last
+    std::string measuring_;  ///< last measurement that say() reported
 };
 
 }  // namespace cvtflow::tasks

@@ -33,7 +33,7 @@ std::string key_of(const Sweep& sweep, const TuneSettings& settings) {
     return engine::Hash().add(std::string_view(tuning_key(sweep.scene, settings))).add(std::string_view(sweep.definition())).hex();
 }
 
-/// The scene's own start state, brought over where the detail has other unknowns, in the folder of the sweep.
+/// Writes the start state of the scene to the folder of the sweep, converted where the detail has other unknowns.
 void give_state(const Scene& own, const std::string& file, Scene& chosen) {
     if (own.state_file.empty()) return;
     const auto saved = fitting_start(own);

@@ -11,9 +11,9 @@
 namespace cvtflow::tasks {
 
 struct TunedSweep {
-    Sweep sweep;  ///< as it should be run
+    Sweep sweep;  ///< sweep with the tuned choice
     KeptTuning kept;
-    std::optional<TuneResult> result;  ///< if it was measured now
+    std::optional<TuneResult> result;  ///< result of a search; nothing: the choice was kept from before
 };
 
 /// The sweep with the detail, method and step that its accuracy needs at its corners: as kept in its folder, else measured and kept there.

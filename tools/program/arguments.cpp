@@ -31,7 +31,7 @@ std::string changes(const tasks::Scene& before, const tasks::Scene& now) {
 struct Given {
     std::string setting;   ///< key=value
     std::string words;     ///< "--set key=value", "--until 1ms", "--settle"
-    std::string key = {};  ///< of a shortcut
+    std::string key = {};  ///< key of a shortcut
 };
 
 /// All settings in the order in which they apply. A tolerance selects steps by local error, unless run.step_control is given too.

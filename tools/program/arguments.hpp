@@ -20,7 +20,7 @@ namespace cvtflow::tools {
 struct Shortcut {
     std::string option;                ///< "--until"
     std::string key;                   ///< "run.until"
-    std::optional<std::string> value;  ///< if given
+    std::optional<std::string> value;  ///< argument of the option; nothing: none was given
 };
 
 struct SceneArguments {

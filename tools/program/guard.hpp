@@ -1,5 +1,5 @@
 #pragma once
-/// How a process ends and reports: exit status, messages, signals, standard streams.
+/// End and reports of a process: exit status, messages, signals, standard streams.
 
 #include <functional>
 #include <stdexcept>

@@ -17,11 +17,11 @@ namespace cvtflow::tools {
 
 inline constexpr const char* force_meaning = "Replace existing output files";
 
-/// The name of a file beside a record or sweep: its own, without .h5, .part, .csv or .toml, and another ending. "run_0.1" gives
+/// The name of a file beside a record or sweep: its name, without .h5, .part, .csv or .toml, and another ending. "run_0.1" gives
 /// "run_0.1.html".
 [[nodiscard]] std::string beside(const std::string& file, std::string_view ending);
 
-/// Where a picture or page of some input is written: the file that the user names, else `inside` a folder, or beside a file.
+/// Path of the picture or page of an input: the file that the user names, else `inside` a folder, or beside a file.
 /// @param inside "plot.svg"
 [[nodiscard]] std::string picture_path(const std::string& named, const std::string& input, const char* inside);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Shared by cvtflow and cvtflow-lab: commands, arguments, help, exit status; and the commands of cvtflow.
+/// Commands, arguments, help and exit status, which cvtflow and cvtflow-lab share; and the commands of cvtflow.
 
 #include <functional>
 #include <span>
@@ -26,7 +26,7 @@ struct Command {
 struct Program {
     std::string_view name;              ///< "cvtflow"
     std::string_view description;       ///< one line
-    std::span<const Command> commands;  ///< in the order of the help text
+    std::span<const Command> commands;  ///< commands in the order of the help text
     std::string_view first_steps;       ///< lines of the help text
     std::string_view other;             ///< the other program, suggested for unknown commands
 };

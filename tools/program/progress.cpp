@@ -24,7 +24,7 @@ constexpr const char *settling = "settling", *running = "running";
 struct ProgressNumbers {
     const char* phase;
     double time, until;  ///< simulated [s]
-    double share;        ///< of this phase, 0 … 1
+    double share;        ///< completed share of this phase, 0 … 1
     double slowness;     ///< wall seconds per simulated second; 0: not known yet
     double left;         ///< wall time until the whole run is done [s]
 };

@@ -51,7 +51,7 @@ private:
     double until_;
     const char* phase_ = nullptr;
     double phase_wall_ = 0.0;  ///< wall time when the phase began [s]
-    int tenths_ = 0;           ///< of the phase, as last printed
+    int tenths_ = 0;           ///< completed tenths of the phase, as last printed
 };
 
 }  // namespace cvtflow::tools

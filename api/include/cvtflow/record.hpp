@@ -73,7 +73,7 @@ class CVTFLOW_EXPORT Recording {
 public:
     /// @throws Error (record) for files that cannot be written, (state) if the simulation is being recorded already
     Recording(Simulation& simulation, const std::string& path, bool replace = false);
-    /// Without finish() the rows stay in `path`.part.
+    /// Leaves the rows in `path`.part if finish() was not called.
     ~Recording();
     Recording(Recording&& other) noexcept;
     Recording& operator=(Recording&& other) noexcept;

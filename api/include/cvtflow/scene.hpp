@@ -64,7 +64,7 @@ struct KeyInfo {
     std::string unit;                  ///< SI unit, "1" for a plain number; empty where the value is no number
     std::string description;           ///< one or two sentences
     std::string usual;                 ///< default as TOML
-    std::string source;                ///< of the default
+    std::string source;                ///< origin of the default
     double min = 0.0;                  ///< smallest value allowed [unit]
     double max = 0.0;                  ///< largest value allowed [unit]
     std::vector<std::string> choices;  ///< allowed names; empty if the value is not a name
@@ -81,7 +81,7 @@ struct KeyInfo {
 /// The unit in which pictures and tables show a quantity.
 struct DisplayUnit {
     std::string unit;     ///< "bar", "rpm", "kN", "%"; the SI unit, if none is more usual
-    double factor = 1.0;  ///< from the SI unit
+    double factor = 1.0;  ///< factor from the SI unit
 };
 
 /// @param name of a channel, a column of a sweep or a key   @param unit its SI unit

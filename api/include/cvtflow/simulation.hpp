@@ -35,20 +35,20 @@ inline namespace v0 {
 /// with the speed that is set; setting its angle as well keeps a host's sum of angles and the simulation's together.
 enum class Input : int {
     clamping_driving = 0,  ///< S_1 [N], ≥ 0; not with hydraulics.mode = "pressure"
-    clamping_driven = 1,   ///< S_2 [N], ≥ 0; likewise
-    load_torque = 2,       ///< against the travel of shaft 2, load.mode = "torque" [N·m]
-    drive_torque = 3,      ///< on shaft 1, drive.mode = "torque" [N·m]
-    drive_speed = 4,       ///< of shaft 1, drive.mode = "speed", or of the far end, "coupling" [rad/s]
+    clamping_driven = 1,   ///< S_2 [N], ≥ 0; not with hydraulics.mode = "pressure"
+    load_torque = 2,       ///< torque against the travel of shaft 2, load.mode = "torque" [N·m]
+    drive_torque = 3,      ///< torque on shaft 1, drive.mode = "torque" [N·m]
+    drive_speed = 4,       ///< speed of shaft 1, drive.mode = "speed", or of the far end, "coupling" [rad/s]
     ratio = 5,             ///< target speed ratio, with control.enabled
-    load_speed = 6,        ///< of shaft 2, load.mode = "speed", or of the far end, "coupling" [rad/s]
-    load_angle = 7,        ///< that the far end has turned since t = 0, load.mode = "coupling" [rad]
-    drive_angle = 8,       ///< that the far end has turned since t = 0, drive.mode = "coupling" [rad]
+    load_speed = 6,        ///< speed of shaft 2, load.mode = "speed", or of the far end, "coupling" [rad/s]
+    load_angle = 7,        ///< angle of the far end since t = 0, load.mode = "coupling" [rad]
+    drive_angle = 8,       ///< angle of the far end since t = 0, drive.mode = "coupling" [rad]
     pressure_driving = 9,  ///< target of the driving valve, hydraulics.mode = "pressure" [Pa]
     pressure_driven = 10,  ///< target of the driven valve, hydraulics.mode = "pressure" [Pa]
 };
 
 struct InputInfo {
-    std::string_view name;  ///< as the enumerator: "load_torque"; all three live as long as the library is loaded and end in 0
+    std::string_view name;  ///< name of the enumerator: "load_torque"; all three live as long as the library is loaded and end in 0
     std::string_view unit;  ///< "N*m", "1" for none
     std::string_view description;
 };
@@ -59,7 +59,7 @@ struct InputInfo {
 /// Counters since the start; after settling, since t = 0. Part of the state.
 struct Counters {
     std::int64_t steps = 0;        ///< accepted steps, truncated ones included
-    std::int64_t evaluations = 0;  ///< of the right-hand side
+    std::int64_t evaluations = 0;  ///< evaluations of the right-hand side
     std::int64_t transitions = 0;  ///< changes of a tip's phase
     std::int64_t truncated = 0;    ///< steps cut at a transition
     std::int64_t suppressed = 0;   ///< transitions postponed because the tip had just changed
@@ -151,7 +151,7 @@ public:
     [[nodiscard]] std::size_t size() const noexcept;
     /// The unknowns now [size()]; valid until the next step.
     [[nodiscard]] std::span<const double> unknowns() const noexcept;
-    /// out = dx/dt at (t, x), for solvers of the host's own: a function of t and x alone (a tip that penetrates touches, any other is free)
+    /// out = dx/dt at (t, x), for solvers of the host: a function of t and x alone (a tip that penetrates touches, any other is free)
     /// and of the inputs. Uses the simulation's memory: not from two threads at once. @throws Error (argument) for lengths, busy
     void rhs(double t, std::span<const double> x, std::span<double> out);
 

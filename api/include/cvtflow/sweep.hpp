@@ -11,9 +11,9 @@ namespace cvtflow {
 inline namespace v0 {
 
 struct SweepProgress {
-    long cases = 0;     ///< all
+    long cases = 0;     ///< number of all cases
     long before = 0;    ///< cases done in earlier sessions
-    long done = 0;      ///< done now
+    long done = 0;      ///< cases done now
     long failed = 0;    ///< cases done now with another status than ok
     double wall = 0.0;  ///< [s]
 };

@@ -1,5 +1,5 @@
 #pragma once
-/// Who does the work of a simulation. Chosen per simulation; results are bitwise the same for every choice.
+/// Threads that run a simulation, chosen per simulation; results are bitwise the same for every choice.
 
 namespace cvtflow {
 inline namespace v0 {

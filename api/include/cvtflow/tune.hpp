@@ -13,20 +13,20 @@ inline namespace v0 {
 
 struct TuneOptions {
     double accuracy = 0.01;  ///< largest error of the outputs, above 0 and at most 0.5 [1]
-    /// Whose error: "slip", "efficiency", … or as in a sweep, "slip median"; none: slip, efficiency, tight_tension, tips.
+    /// Outputs whose error counts: "slip", "efficiency", … or as in a sweep, "slip median"; none: slip, efficiency, tight_tension, tips.
     std::vector<std::string> outputs;
-    double budget = 0.0;  ///< wall time after which no further choice is tried; 0: no limit [s]
-    std::string folder;   ///< where what was found is kept; empty: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow
+    double budget = 0.0;                                 ///< wall time after which no further choice is tried; 0: no limit [s]
+    std::string folder;                                  ///< cache of choices; empty: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow
     std::function<void(const std::string&)> progress{};  ///< receives what is being measured; may be empty
     /// Asked after every step, by the calling thread: true ends the measuring. May be empty; must not throw.
     std::function<bool()> stop{};
 };
 
 struct Tuning {
-    Scene scene;         ///< as it should be run, from the start of the scene that was given
-    std::string choice;  ///< in words: "medium, leapfrog-chebyshev, automatic step"
-    double error = 0.0;  ///< largest that was measured [1]
-    bool kept = false;   ///< found before, not measured now
+    Scene scene;         ///< scene with the choice, from the start of the given one
+    std::string choice;  ///< choice in words: "medium, leapfrog-chebyshev, automatic step"
+    double error = 0.0;  ///< largest measured error
+    bool kept = false;   ///< taken from the cache, not measured now
 };
 
 /// Measures at the scene's start and at the extremes of its tables over time, or takes the choice from the cache. Serial, in the calling

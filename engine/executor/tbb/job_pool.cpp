@@ -90,7 +90,7 @@ void WriterThread::post(std::span<const std::byte> row) {
     changed_.notify_all();
 }
 
-/// Under the lock: one row at a time, in the order in which they come.
+/// Writes one row, under the lock, in the order in which they come.
 void WriterThread::write_here(std::span<const std::byte> row) {
     try {
         write_(row);

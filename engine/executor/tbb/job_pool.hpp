@@ -1,5 +1,5 @@
 #pragma once
-/// Independent jobs side by side on an arena of their own: as many resident workers as threads, each asking for the next job until there is
+/// Independent jobs side by side on a separate arena: as many resident workers as threads, each asking for the next job until there is
 /// none. One more thread writes what they hand over.
 
 #include <condition_variable>
@@ -19,7 +19,7 @@
 namespace cvtflow::engine {
 
 /// Runs jobs on that many threads. Jobs may themselves run parallel executors: their arenas hire the threads that have left this one.
-/// @param pin   each worker to a processor of its own
+/// @param pin   whether each worker stays on a separate processor
 /// @param next  called by one thread at a time; the number of a job, nothing when there is none any more for this worker
 /// @param work  called by any worker 0 … threads - 1 for its job; what it throws ends the jobs and is thrown here
 void run_jobs(int threads, bool pin, const std::function<std::optional<long>(int worker)>& next,

@@ -35,7 +35,7 @@
 ///
 /// Cache lines. A line that two workers exchange costs 0.1 … 0.3 µs. Within a cycle these are the stamp of a task and its data. The claim
 /// is therefore on another line, which no other worker touches as long as all keep pace, and the stamps of a worker and level are on
-/// separate lines. A worker that waits for its own next task checks the claims of others after a while, and continues to do so at once as
+/// separate lines. A worker that waits for its next task checks the claims of others after a while, and continues to do so at once as
 /// long as it finds tasks there, as it does while a worker is away.
 ///
 /// tests/engine/executor/tbb/resident_board_test.cpp runs all interleavings of small cases, and finds that each of these orders is needed.
@@ -59,8 +59,8 @@ struct BoardMachine {
     template <class Value>
     using Atomic = std::atomic<Value>;
     using Waiter = Backoff;
-    static constexpr std::size_t numbers_together = apart / sizeof(std::uint64_t);  // on a line of their own
-    static constexpr int max_polls = 50;  // polls of a worker's own tasks before it checks those of others, about 1 us
+    static constexpr std::size_t numbers_together = apart / sizeof(std::uint64_t);  // on one line
+    static constexpr int max_polls = 50;  // polls of a worker's share before it checks others, about 1 us
 
     /// Whether a worker is at work, or leaves its processor to others for a while.
     class Presence {
@@ -83,7 +83,7 @@ struct BoardMachine {
         static constexpr int rounds_per_reading = 16;  // reading the clock costs 25 ns, a level takes at least 300
 
         ContentionBackoff contention_;
-        const bool retreats_;  // not on a machine of one's own
+        const bool retreats_;  // not with Wait::spin
         unsigned round_ = 0;
     };
 };
@@ -126,11 +126,11 @@ private:
     /// A task in its share.
     struct Place {
         int task;
-        int stamp;                      ///< its stamp, or none if no task depends on it
+        int stamp;                      ///< stamp of the task, or none if no task depends on it
         std::size_t first_wait, waits;  ///< stamps of its predecessors, in waits_
     };
     struct Share {
-        std::size_t first, size;  ///< in places_
+        std::size_t first, size;  ///< range in places_
     };
     /// The first unclaimed task of a share.
     enum class Head { none, blocked, ready };
@@ -158,7 +158,7 @@ private:
     const ExecutorOptions options_;
     const typename Machine::Waiter untried_;
     int workers_;
-    std::vector<Place> places_;         ///< of all tasks, by shares, in an order that respects all edges
+    std::vector<Place> places_;         ///< all tasks, by shares, in an order that respects all edges
     std::vector<int> waits_;            ///< stamps
     std::vector<Share> shares_;         ///< [cycle][worker]
     std::unique_ptr<Stamps[]> stamps_;  ///< sequence in which a task has finished last
@@ -246,7 +246,7 @@ bool ResidentBoardOn<Machine>::ready(const Place& place, std::uint64_t sequence)
     return true;
 }
 
-/// @param taken as it was seen of the owner's share
+/// @param taken last value read of the owner's share
 template <class Machine>
 typename ResidentBoardOn<Machine>::Head ResidentBoardOn<Machine>::head(int owner, std::uint64_t open, std::uint64_t taken) const noexcept {
     const std::uint64_t sequence = Word::sequence(open);
@@ -275,7 +275,7 @@ bool ResidentBoardOn<Machine>::run_share(int worker, int owner, std::uint64_t op
     }
 }
 
-/// Whether a task of the open cycle is ready, or all are taken. Checks others' shares after `polls_left` polls of its own.
+/// Whether a task of the open cycle is ready, or all are taken. Checks others' shares after `polls_left` polls of the worker's.
 template <class Machine>
 bool ResidentBoardOn<Machine>::may_resume(int worker, std::uint64_t open, int& polls_left) const noexcept {
     const auto head_of = [&](int owner) noexcept {

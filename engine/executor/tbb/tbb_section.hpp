@@ -14,7 +14,7 @@
 
 namespace cvtflow::engine {
 
-/// An own arena and an own context: neither do our threads run the host's tasks while they wait, nor the host's threads ours, nor does
+/// A separate arena and context: neither do our threads run the host's tasks while they wait, nor the host's threads ours, nor does
 /// a host that cancels its tasks cancel the step. (A default flow::graph of oneTBB 2021.8 is bound to the host's context.)
 /// The context carries the caller's floating point mode to all threads. A graph is built inside execute(), for it belongs to the arena
 /// in which it is built.
@@ -41,7 +41,7 @@ public:
     }
 
 protected:
-    /// Nothing: the caller's.
+    /// Arena of this section; nothing: the caller's.
     [[nodiscard]] std::optional<oneapi::tbb::task_arena>& own_arena() noexcept { return arena_; }
 
 private:
@@ -59,7 +59,7 @@ private:
         }
     }
 
-    /// More never come, and oneTBB would complain on the host's standard error.
+    /// Threads that oneTBB permits. A request for more gets no more, and a message on the host's standard error.
     [[nodiscard]] static int max_threads() {
         return static_cast<int>(oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism));
     }

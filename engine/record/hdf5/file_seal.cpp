@@ -81,7 +81,7 @@ namespace cvtflow::engine::hdf5 {
 
 namespace {
 
-constexpr std::size_t superblock_size = 44;  ///< of versions 2 and 3 with 8-byte addresses, without the checksum that follows
+constexpr std::size_t superblock_size = 44;  ///< size in versions 2 and 3 with 8-byte addresses, without the checksum that follows
 
 struct Lookup3 {
     std::uint32_t a, b, c;

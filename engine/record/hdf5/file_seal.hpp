@@ -21,7 +21,7 @@ inline constexpr std::size_t seal_size = 32;
 
 enum class Seal {
     whole,   ///< the file is what was sealed
-    broken,  ///< it has changed since
+    broken,  ///< the file has changed since
     none,
 };
 

@@ -107,9 +107,9 @@ Handle open_attribute(hid_t object, const std::string& name) {
     return {H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, "cannot read attribute '" + name + "'"};
 }
 
-constexpr std::size_t max_text_bytes = std::size_t{64} << 20U;  ///< of one attribute: a scene, a sweep
+constexpr std::size_t max_text_bytes = std::size_t{64} << 20U;  ///< longest attribute: a scene, a sweep
 
-constexpr std::size_t max_texts = 65'536;  ///< of one attribute: columns of a table
+constexpr std::size_t max_texts = 65'536;  ///< longest list in an attribute: columns of a table
 
 /// Texts of an attribute of fixed length; nullopt if it is no text. HDF5 keeps texts of variable length where no checksum guards them, and
 /// its release 1.10.8 crashes on damaged ones.

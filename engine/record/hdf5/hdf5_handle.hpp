@@ -18,7 +18,7 @@ struct Failure : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// While one of these lives, this thread's HDF5 prints no error stack. Restores what the host program had set.
+/// Keeps HDF5 from printing error stacks in this thread while it lives, then restores the setting of the host program.
 class QuietErrors {
 public:
     QuietErrors() noexcept;
@@ -85,15 +85,15 @@ decltype(auto) guarded(const std::string& path, Body&& body) {
 /// Descriptor of an open file. Throws Failure.
 [[nodiscard]] int descriptor_of(hid_t file);
 
-/// For iterations: appends a name to the std::vector<std::string> behind `names`. @return HDF5's convention: 0, or -1 without memory
+/// Appends, in iterations, a name to the std::vector<std::string> behind `names`. @return HDF5's convention: 0, or -1 without memory
 [[nodiscard]] herr_t note_name(const char* name, void* names) noexcept;
 
-/// After a failed write HDF5 1.10 still wants to write what it holds, fails to close, and crashes at the end of the program. So its
-/// descriptor is turned to memory: closing succeeds, and the file stays as it was at the first failed write.
+/// Diverts further writes of a file to memory, so that closing succeeds and the file stays as it was at the first failed write. Otherwise
+/// HDF5 1.10 repeats the write, fails to close, and crashes at the end of the program.
 void divert_writes(hid_t file) noexcept;
 
-/// Access properties for reading a file that may be open for writing: what does not have its checksum is read again, as it may be half
-/// written, but not for ever. HDF5 waits 1 ns, 2 ns, 4 ns …: 22 times take 5 ms, its own 100 times the age of the universe.
+/// Access properties for reading a file that may be open for writing: data without a valid checksum are read again, as they may be half
+/// written, but not for ever. HDF5 waits 1 ns, 2 ns, 4 ns …: 22 times take 5 ms, its default of 100 times the age of the universe.
 [[nodiscard]] Handle live_access();
 
 /// Access properties of all our files: format of HDF5 1.10 (which single-writer-multiple-reader needs), and none of HDF5's file locks,

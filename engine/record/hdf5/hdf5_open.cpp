@@ -202,7 +202,7 @@ void limit_child() {
 namespace hdf5 {
 namespace {
 
-/// Its attributes, and its first and last row; those of a table as they lie in the file.
+/// Reads the attributes and the first and last row of a dataset; rows of a table unconverted.
 void inspect_dataset(hid_t file, const std::string& path) {
     for (const Cells cells : {Cells::reals, Cells::bytes, Cells::records}) {
         try {

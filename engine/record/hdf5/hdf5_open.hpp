@@ -37,7 +37,7 @@ struct OpenFile {
 /// listed.
 void inspect_everything(hid_t file);
 
-/// Such files may be forged, or the machine very slow.
+/// Thrown where the file may be forged, or the machine is very slow.
 struct OverLimit : Failure {
     using Failure::Failure;
 };

@@ -59,7 +59,7 @@ void collect_datasets(hid_t file, const std::string& group, const std::string& p
     };
     {
         const Handle handle(H5Gopen2(file, group.c_str(), H5P_DEFAULT), H5Gclose, what);
-        // In HDF5's own order: for any other it makes a table of the links, and where a read fails in that it frees what it has not filled.
+        // In HDF5's order: for any other it makes a table of the links, and where a read fails in that it frees what it has not filled.
         check(H5Literate(handle.id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), what);
         std::sort(names.begin(), names.end());
     }

@@ -14,7 +14,7 @@ namespace cvtflow::engine::hdf5 {
 /// Properties of an extendible dataset.
 struct SeriesShape {
     std::string path;       ///< "/channels/links/tension"
-    hid_t type = -1;        ///< of one element, in memory and in the file
+    hid_t type = -1;        ///< type of one element, in memory and in the file
     std::size_t width = 1;  ///< elements per row
     bool flat = true;       ///< shape [rows], else [rows, width]
     int deflate = 0;        ///< 0…9
@@ -31,7 +31,7 @@ struct SeriesShape {
 /// Failure.
 void append_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data);
 
-/// Writes rows of a dataset that is long enough. Likewise.
+/// Writes rows of a dataset that is long enough. Parameters and errors as above.
 void write_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data);
 
 /// Required type of elements.
@@ -120,7 +120,7 @@ public:
 
     [[nodiscard]] std::size_t buffered() const noexcept { return buffered_; }
     [[nodiscard]] std::size_t written() const noexcept { return written_; }
-    /// How much write() may make the file grow [byte]; 0 if nothing is buffered.
+    /// Largest growth of the file by write() [byte]; 0 if nothing is buffered.
     [[nodiscard]] std::size_t growth() const noexcept;
 
 private:

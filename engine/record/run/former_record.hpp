@@ -25,12 +25,11 @@ struct RowsWritten {
     bool operator==(const RowsWritten&) const = default;
 };
 
-/// How much of a record had been written at a checkpoint, and what. A record that is not finished has no seal: this is what it is compared
-/// with.
+/// Number and checksums of the rows at a checkpoint, to recognise an unfinished record, which has no seal.
 struct RecordPosition {
     RowsWritten channels;
     RowsWritten states;
-    std::vector<RowsWritten> tables{};  ///< in the order of RunContents; rows of a table come without time
+    std::vector<RowsWritten> tables{};  ///< rows of tables in the order of RunContents, without time
 };
 
 /// Copies the first rows of a record into a new one of the same contents, which is then flushed to disk.

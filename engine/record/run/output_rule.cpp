@@ -28,9 +28,9 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse_creation(const std::string& path, const std::string& why) { throw RecordError(path + ": cannot create: " + why); }
 
-constexpr std::size_t head_bytes = 4096, superblock_bytes = 48;  ///< of version 3
+constexpr std::size_t head_bytes = 4096, superblock_bytes = 48;  ///< sizes in version 3
 
-/// Up to 4 KiB of a file; empty if it cannot be read.
+/// The first 4 KiB of a file; empty if it cannot be read.
 std::string head_of(const std::string& path) {
     std::string head(head_bytes, '\0');
     try {
@@ -54,7 +54,7 @@ int hdf5_version(const std::string& path) {
     return head.size() > 8 && head.starts_with("\x89HDF\r\n\x1a\n") ? head[8] : -1;
 }
 
-/// Its attribute `format`; nothing if HDF5 cannot read it.
+/// Attribute `format` of a file; nothing if HDF5 cannot read it.
 std::optional<std::string> format_of(const std::string& path) {
     try {
         return hdf5::format_of(path);

@@ -22,13 +22,13 @@ using IsOwn = std::function<bool(const std::string& file)>;
 
 /// A writer's rule for the file that it is about to write. By default: a new file; nothing may exist under its name.
 struct OutputRule {
-    std::string what = "file that may be replaced";  ///< in messages: "FILE: already exists and is not a WHAT"
-    IsOwn own = nullptr;                             ///< none: no file is
+    std::string what = "file that may be replaced";  ///< noun in messages: "FILE: already exists and is not a WHAT"
+    IsOwn own = nullptr;                             ///< files that may be replaced; nullptr: none
     std::vector<std::filesystem::path> inputs = {};  ///< never replaced, under whatever name; empty paths count as none
-    bool force = false;                              ///< whether other files may be replaced (--force)
-    bool former = false;                             ///< what lies there when it is permitted is checked elsewhere (set_aside)
-    bool named = false;                              ///< the user chose the name: without `force` even a file of its own stays
-    bool repeats = false;  ///< every writer makes it bit for bit: rows in FILE.part, or a file of its own since, need no `force`
+    bool force = false;                              ///< any file may be replaced (--force)
+    bool former = false;                             ///< an existing file is permitted; set_aside() checks it
+    bool named = false;                              ///< the user chose the name: `own` does not count without `force`
+    bool repeats = false;  ///< every writer makes it bit for bit: rows in FILE.part, or a file of `own` since, need no `force`
     bool devices = false;  ///< devices and pipes are written as by a shell's `>`
     std::string advice = "--force replaces it";
 };
@@ -61,7 +61,7 @@ private:
 
     std::string path_;
     bool device_ = false, replaces_ = false;
-    std::shared_ptr<Seen> seen_;  ///< of all copies
+    std::shared_ptr<Seen> seen_;  ///< state that all copies share
 };
 
 /// An object under a name that can never be replaced: "a symbolic link; name its target" …; empty: nothing, or a plain file.
@@ -87,7 +87,7 @@ private:
 /// write: reason"
 void write_whole(const Permit& permit, std::string_view bytes);
 
-/// Removes those plain files of a folder that are `own`, and the folder if nothing is left in it. No link is followed, no folder entered.
+/// Removes plain files of a folder for which own() is true, then the folder if it is empty. No link is followed, no folder entered.
 void remove_own_files(const std::filesystem::path& folder, const std::function<bool(const std::filesystem::path& file)>& own);
 
 /// @throws RecordError if the file, or its .part, is one of the inputs, under whatever name

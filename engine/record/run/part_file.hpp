@@ -63,8 +63,8 @@ struct FormerFiles {
 
 /// Takes what a run left under a name out of the way of a new one, to read it: `<path>.before` from now on, or already since an attempt
 /// that was killed. Takes the .part file if there is one, else the finished file. No other file is renamed.
-/// @return the path to read, empty if there is nothing. Errors (RecordError): a run is still writing it; not allowed; a file that is not
-/// the run's own, without `replace`.
+/// @return the path to read, empty if there is nothing. Errors (RecordError): a run is still writing it; not allowed; a file of another
+/// run, without `replace`.
 [[nodiscard]] std::string set_aside(const std::string& path, const FormerFiles& files);
 
 }  // namespace cvtflow::engine

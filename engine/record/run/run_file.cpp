@@ -19,7 +19,7 @@ namespace cvtflow::engine {
 
 namespace {
 
-/// Kept free beyond every write, for HDF5's own tables and for the status and attributes that close the file [byte].
+/// Kept free beyond every write, for HDF5's tables and for the status and attributes that close the file [byte].
 constexpr std::size_t spare_run_bytes = 65536;
 
 hdf5::RowBlock open_block(hid_t file, const hdf5::BlockShape& shape) {
@@ -49,12 +49,12 @@ struct RunFile::Impl {
     std::vector<hdf5::RowBlock> tables;
     std::vector<std::uint64_t> table_row;  ///< scratch: one row of the widest table
     std::size_t values_per_row = 0;
-    double last_time = 0.0;   ///< of the last row taken [s]
-    double saved_time = 0.0;  ///< of the last row written [s]
+    double last_time = 0.0;   ///< time of the last row taken [s]
+    double saved_time = 0.0;  ///< time of the last row written [s]
     std::chrono::steady_clock::time_point last_flush = std::chrono::steady_clock::now();
     std::vector<Attribute> late_attributes;
     std::string status;
-    std::string damage;  ///< why HDF5 failed; nothing is written any more
+    std::string damage;  ///< reason why HDF5 failed; nothing is written any more
 
     Impl(const Permit& permit, RunContents what, RunFileOptions how) : part(permit), contents(std::move(what)), options(how) {
         try {
@@ -120,7 +120,7 @@ struct RunFile::Impl {
         if (&block == &channels) saved_time = last_time;
     }
 
-    /// Before a row is taken and not after, so that a row whose append threw was not taken.
+    /// Makes room before a row is taken, not after: a row whose append threw was not taken.
     void prepare(hdf5::RowBlock& block) {
         if (std::chrono::duration<double>(std::chrono::steady_clock::now() - last_flush).count() >= options.flush_seconds)
             flush();

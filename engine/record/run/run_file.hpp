@@ -51,7 +51,7 @@ public:
     /// Creates `<path>.part`.
     /// Errors: those of Permit, another run writing it, contents that contradict.
     RunFile(const Permit& permit, RunContents contents, RunFileOptions options = {});
-    /// Without close(): saves what it can, sets the status to "interrupted" unless set_status() was called, leaves the .part file.
+    /// Saves what it can if close() was not called, sets the status to "interrupted" unless set_status() was called, leaves the .part file.
     ~RunFile();
     RunFile(const RunFile&) = delete;
     RunFile& operator=(const RunFile&) = delete;
@@ -65,7 +65,7 @@ public:
 
     /// Adds or replaces an attribute of the whole file. It reaches the file when this object closes it (SWMR allows no sooner).
     void set_attribute(Attribute attribute);
-    /// How the run ended, if not "finished"; e.g. the text of a fault. Reaches the file when this object closes it; until then "running".
+    /// Sets a status other than "finished", e.g. the text of a fault. It reaches the file when this object closes it; until then "running".
     void set_status(std::string status);
 
     /// Brings every row to disk (fsync).

@@ -37,7 +37,7 @@ public:
     /// Attributes of the whole file, by name; without format, format_version and status.
     [[nodiscard]] const std::vector<Attribute>& attributes() const noexcept { return attributes_; }
 
-    /// In order of declaration.
+    /// Channels in order of declaration.
     [[nodiscard]] const std::vector<ChannelInfo>& channels() const noexcept { return channels_; }
     /// Rows of every channel.
     [[nodiscard]] std::size_t rows() const noexcept { return rows_; }
@@ -47,7 +47,7 @@ public:
     [[nodiscard]] std::vector<double> channel(std::string_view name) const;
     /// Rows first … first + count - 1 of a channel, or of "time" [s]. @param count all of these rows must be there
     [[nodiscard]] std::vector<double> channel_rows(std::string_view name, std::size_t first, std::size_t count) const;
-    /// Its last row, [width]; empty if there are no rows.
+    /// Last row of a channel, [width]; empty if there are no rows.
     [[nodiscard]] std::vector<double> last(std::string_view name) const;
 
     /// Times of the recorded states [s]; may be empty.

@@ -60,8 +60,8 @@ template <class Value>
     return nullptr;
 }
 
-/// From now on a child process checks every file first while this process has a single thread, so that a forged file that makes HDF5
-/// crash is an error like others. For programs of our own: hosts may be in the way of a fork.
+/// Checks every file in a child process first, from now on and while this process has a single thread, so that a forged file that makes
+/// HDF5 crash is an error like others. For cvtflow's programs only: a fork may disturb a host.
 /// @param tried false: not any more, in the child itself
 void try_files_first(bool tried = true) noexcept;
 [[nodiscard]] bool files_are_tried() noexcept;

@@ -17,7 +17,7 @@
 
 namespace cvtflow::engine {
 
-/// Further numbers of a state under a name.
+/// Named numbers that belong to a state.
 struct NamedArray {
     std::string name;
     std::vector<double> values{};  ///< [numbers of the field]
@@ -30,7 +30,7 @@ struct SavedState {
     std::vector<std::uint8_t> phases{};
     std::string fingerprint{};  ///< hash of everything that defines the numbers (parameters, layout); compared when a run resumes
     std::vector<Attribute> attributes{};
-    std::vector<NamedArray> more{};  ///< come back sorted by name
+    std::vector<NamedArray> more{};  ///< sorted by name after reading
     bool operator==(const SavedState&) const = default;
 };
 
@@ -40,8 +40,8 @@ void write_state(const Permit& permit, const SavedState& saved);
 /// The same, replacing nothing but a state.
 void write_state(const std::string& path, const SavedState& saved);
 
-/// Exactly what was written, bit for bit. Attributes come sorted by name.
-/// Throws RecordError: missing, not HDF5, truncated, damaged (no seal, a broken one, or another state_hash), another kind.
+/// Reads a state bit for bit as it was written, with attributes sorted by name. Throws RecordError: missing, not HDF5, truncated, damaged
+/// (no seal, a broken one, or another state_hash), another kind.
 [[nodiscard]] SavedState read_state(const std::string& path);
 
 }  // namespace cvtflow::engine

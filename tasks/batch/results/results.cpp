@@ -263,7 +263,7 @@ std::vector<std::size_t> case_order(const engine::CaseTable& table) {
 
 }  // namespace
 
-/// In place, since the table is the largest thing in memory: row i takes what has been swapped to where its content is now.
+/// Sorts in place, because the table is the largest object in memory: row i is swapped with the row that has its content now.
 void sort_rows(engine::CaseTable& table) {
     const std::vector<std::size_t> order = case_order(table);
     const std::size_t bytes = table.layout.bytes();

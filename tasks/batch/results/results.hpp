@@ -59,7 +59,7 @@ inline constexpr std::string_view error_prefix = "error_of_";
 /// Number of cases of a table's sweep. @throws engine::RecordError if the attribute is missing
 [[nodiscard]] long cases_of(const engine::CaseTable& table, const std::string& path);
 
-/// Fills and seals a row. @param scene of the case
+/// Fills and seals a row.
 void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseResult& result, std::span<std::byte> row);
 
 /// Refuses to continue or join results of another sweep.
@@ -92,9 +92,9 @@ public:
     [[nodiscard]] const CaseTally& tally() const noexcept { return tally_; }
     /// Row of a case, valid until the next call; empty if it has none.
     [[nodiscard]] std::span<const std::byte> of_case(long number);
-    /// results_hash() of all rows. @param change of every row before it counts
+    /// results_hash() of all rows. @param change applied to every row before it is hashed
     [[nodiscard]] std::string hash(const std::function<void(std::span<std::byte>)>& change = {});
-    /// For engine::write_cases().
+    /// Writes rows for engine::write_cases().
     void fill(std::size_t first, std::span<std::byte> rows);
 
 private:
@@ -107,7 +107,7 @@ private:
     std::size_t first_ = 0;
 };
 
-/// With what every mark begins.
+/// Prefix of every mark.
 inline constexpr std::string_view mark_of_a_sweep = "rows of the sweep ";
 
 /// Identifies a table in a line, as an attribute whose text is found in the file's bytes: a hash of everything that the results depend on,

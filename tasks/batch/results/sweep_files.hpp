@@ -11,7 +11,7 @@
 
 namespace cvtflow::tasks {
 
-/// The table of a sweep. Replaces a table with the same definition. @param read  the file's own contents were read and are of this sweep,
+/// The table of a sweep. Replaces a table with the same definition. @param read  the contents of the file were read and are of this sweep,
 /// even if HDF5 cannot read it
 [[nodiscard]] engine::Permit permit_table(const std::string& file, const std::string& definition, bool read = false);
 /// The record of a case. Replaces one of the same case, and what a killed writer left of it.

@@ -365,7 +365,7 @@ private:
     std::vector<Problem>& problems_;
     Axis axis_{"csv", {}, {}};
     char separator_ = ',';
-    std::vector<std::string> units_;  ///< of all columns
+    std::vector<std::string> units_;  ///< units of all columns
     std::vector<std::size_t> taken_;  ///< column of each key of the axis
     int line_ = 0;
     bool good_ = true;

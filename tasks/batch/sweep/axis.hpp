@@ -18,7 +18,7 @@ using AxisValue = std::variant<double, std::string>;
 /// One factor of the product that a sweep is.
 struct Axis {
     std::string kind;                    ///< "list", "range", "zip", "random", "latin-hypercube" or "csv", for people
-    std::vector<const Parameter*> keys;  ///< that vary together
+    std::vector<const Parameter*> keys;  ///< keys that vary together
     std::vector<AxisValue> values;       ///< [rows * keys], row by row
 
     [[nodiscard]] std::size_t rows() const noexcept { return keys.empty() ? 0 : values.size() / keys.size(); }
@@ -28,7 +28,7 @@ struct Axis {
 /// Gives a key of the scene a value of an axis. Allocates nothing for numbers, once the scene has held such a value.
 void apply(const Parameter& parameter, const AxisValue& value, Scene& scene);
 
-/// As TOML: 150, "elastic", [1, 2].
+/// TOML text of a value: 150, "elastic", [1, 2].
 [[nodiscard]] std::string axis_text(const Parameter& parameter, const AxisValue& value);
 
 /// Whether a key has numbers in between, for ranges and samples.
@@ -38,12 +38,12 @@ void apply(const Parameter& parameter, const AxisValue& value, Scene& scene);
 /// [unit of the key], to [the same]
 [[nodiscard]] std::vector<double> spaced(double from, double to, std::size_t count, bool logarithmic);
 
-/// Where in [0, 1) `count` samples of `dimensions` numbers lie, row by row; the same on every machine.
+/// Coordinates in [0, 1) of `count` samples of `dimensions` numbers, row by row; equal on every machine.
 [[nodiscard]] std::vector<double> random_samples(std::size_t count, std::size_t dimensions, std::uint64_t seed);
 /// Samples as above, with each of the `count` equal intervals of every dimension hit exactly once.
 [[nodiscard]] std::vector<double> latin_hypercube(std::size_t count, std::size_t dimensions, std::uint64_t seed);
 
-/// @param folder that a relative csv counts from
+/// @param folder base of a relative csv path
 /// @return an axis without keys if anything is wrong
 [[nodiscard]] Axis read_axis(const Entry& entry, const Node& node, const std::filesystem::path& folder, std::vector<Problem>& problems);
 

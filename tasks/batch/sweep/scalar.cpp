@@ -43,7 +43,7 @@ public:
         for (std::string word; words >> word;) when_ += (when_.empty() ? "" : " ") + word;
     }
 
-    /// As written, white space tidied.
+    /// Text of the scalar, white space tidied.
     [[nodiscard]] std::string text() const { return written_ + (how_.empty() ? "" : " " + how_) + (when_.empty() ? "" : " " + when_); }
 
     /// Defect of the text; empty: none.
@@ -116,12 +116,12 @@ private:
     }
 
     std::string written_, how_, when_;  ///< the channel with its element, the reduction, the time
-    std::string name_;                  ///< of the channel
+    std::string name_;                  ///< name of the channel
     bool indexed_ = false;
     ScalarTerm term_;
 };
 
-/// Between the terms of a quotient; channels have slashes without spaces.
+/// Separates the terms of a quotient; channels have slashes without spaces.
 constexpr std::string_view divided_by = " / ";
 
 }  // namespace
@@ -173,7 +173,7 @@ bool TermSum::takes(const ScalarTerm& term, double instant, const Occasion& when
     return when.output && (term.reduction != Reduction::at || (count == 0 && instant >= term.time * (1.0 - 1e-12)));
 }
 
-/// By the trapezoidal rule, over intervals at both ends of which there is a number.
+/// Adds an interval by the trapezoidal rule if both its ends have a number.
 void TermSum::integrate(const ScalarTerm& term, double instant, double number) noexcept {
     const bool undefined = term.channel->is(Channel::may_be_undefined) && (std::isnan(number) || std::isnan(last));
     if (count > 0 && !undefined) {
@@ -341,7 +341,7 @@ void Reducer::clear() noexcept {
 
 namespace {
 
-constexpr double layout_of_sums = -3.0;  ///< in front of them; former ones began with a count
+constexpr double layout_of_sums = -3.0;  ///< precedes the sums; the former layout began with a count
 
 }  // namespace
 

@@ -22,11 +22,11 @@ inline constexpr int every_element = -1;
 /// A channel and how its course becomes one number.
 struct ScalarTerm {
     const Channel* channel = nullptr;
-    int element = 0;  ///< of a channel with several numbers, or every_element
+    int element = 0;  ///< number of an element of a wide channel, or every_element
     Reduction reduction = Reduction::mean;
-    double time = 0.0;                  ///< of `at`: the first output at or after it counts [s]
-    const Channel* integral = nullptr;  ///< of a mean: Channel::energies(), or Channel::integral()
-    bool efficiency = false;            ///< these are energies
+    double time = 0.0;                  ///< time of `at`: the first output at or after it counts [s]
+    const Channel* integral = nullptr;  ///< channel whose change gives a mean: Channel::energies() or Channel::integral()
+    bool efficiency = false;            ///< `integral` is Channel::energies()
 
     /// Whether it is an integral over the time between samples, over that time; others are of outputs.
     [[nodiscard]] bool over_time() const noexcept { return reduction == Reduction::mean || reduction == Reduction::rms; }
@@ -45,7 +45,7 @@ struct Occasion {
 };
 
 struct Scalar {
-    std::string text;               ///< as written, white space tidied
+    std::string text;               ///< text of the user, white space tidied
     std::string column;             ///< name in the table: letters, digits and _
     std::vector<ScalarTerm> terms;  ///< one, or dividend and divisor
 
@@ -70,23 +70,23 @@ struct Scalar {
 struct TermSum {
     long count = 0;
     double value = 0.0;       ///< integral over time, extreme or value found [unit of the channel, times s for an integral]
-    double span = 0.0;        ///< of an integral over time [s]
-    double time = 0.0;        ///< of its last sample [s]
-    double last = 0.0;        ///< number there
-    std::vector<double> all;  ///< of a median [outputs]; of an efficiency its energies, their changes and the last ones [2 x sums, J]
+    double span = 0.0;        ///< length of an integral over time [s]
+    double time = 0.0;        ///< time of the last sample [s]
+    double last = 0.0;        ///< number at the last sample
+    std::vector<double> all;  ///< outputs of a median; for an efficiency, changes of its energies and their last values [2 x sums, J]
 
     /// Whether the term takes an instant. time [s]
     [[nodiscard]] bool takes(const ScalarTerm& term, double instant, const Occasion& when) const noexcept;
     void add(const ScalarTerm& term, double instant, double number);  ///< instant [s], number [unit of the channel that is read]
-    void integrate(const ScalarTerm& term, double instant, double number) noexcept;  ///< likewise
-    void add_energies(double instant, std::span<const double> energies);             ///< of an efficiency
+    void integrate(const ScalarTerm& term, double instant, double number) noexcept;
+    void add_energies(double instant, std::span<const double> energies);  ///< energies [EfficiencyChannels::sums, J]
     /// Adds what continued() has become.
     void add(const ScalarTerm& term, const TermSum& later);
     /// A sum over the time after it: an integral continues from its last sample.
     [[nodiscard]] TermSum continued(const ScalarTerm& term) const;
     /// Lets an integral over time begin later, linear between two states that it had. begin [s]
     void begin_at(const ScalarTerm& term, double begin, const TermSum& before, const TermSum& after) noexcept;
-    /// Not a number if no output counted.
+    /// Value of the term; not a number if no output counted.
     [[nodiscard]] double result(const ScalarTerm& term) const;
 };
 
@@ -111,7 +111,7 @@ struct Reducer {
     /// Ready for another case.
     void clear() noexcept;
 
-    /// For checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
+    /// Memory for checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 };

@@ -19,29 +19,29 @@ enum class StartMode { scene, settle, shared };
 struct SweepAccuracy {
     double target = 0.0;     ///< largest error of every scalar; 0: nothing is tuned or verified [1]
     int verify = 10;         ///< cases that also run at reference quality, drawn by chance
-    std::uint64_t seed = 0;  ///< of that draw
+    std::uint64_t seed = 0;  ///< seed of that draw
 };
 
 /// Some cases that end when they are steady also run three times as long.
 struct SweepConfirmation {
     int cases = 5;           ///< drawn by chance
-    std::uint64_t seed = 0;  ///< of that draw
+    std::uint64_t seed = 0;  ///< seed of that draw
 };
 
 struct Sweep {
     std::string name;  ///< the file's stem if absent
     std::string description;
-    std::filesystem::path path;  ///< of the file, as given
-    std::string text;            ///< of the file
-    Scene scene;                 ///< with [set] and [budget] applied
+    std::filesystem::path path;  ///< path of the file, as given
+    std::string text;            ///< contents of the file
+    Scene scene;                 ///< base scene, [set] and [budget] applied
     std::vector<Axis> axes;
     std::vector<Scalar> scalars;
     double from = 0.0;  ///< outputs before this time do not count [s]
     bool records = false;
     StartMode start = StartMode::scene;
     std::string continuation;  ///< key; empty: none
-    long line = 1;             ///< with it, cases that follow each other: rows of the last axis, or of a csv axis rows while the key rises
-    int checked = 1;           ///< continued cases that also run from their own start
+    long line = 1;             ///< cases of a strand with continuation: rows of the last axis, or of a csv axis rows while the key rises
+    int checked = 1;           ///< continued cases that are repeated without continuation
     SweepAccuracy accuracy;
     SweepConfirmation confirmation;
 

@@ -13,16 +13,16 @@
 
 namespace cvtflow::tasks {
 
-/// How the value of a key is written.
+/// Notation of a key's value.
 enum class SweepForm { text, integer, boolean, time, share, choice, value, values, texts, tables, scene_keys };
 
 struct SweepKey {
-    std::string_view table;  ///< "sweep", "axes", "axes.zip" … as nested in the file
-    std::string_view name;   ///< within its table; "*" in [set]: any key of a scene
+    std::string_view table;  ///< table with its parents in the file: "sweep", "axes", "axes.zip" …
+    std::string_view name;   ///< name within its table; "*" in [set]: any key of a scene
     SweepForm form = SweepForm::text;
-    std::string_view usual;  ///< what holds where it is absent; empty: it is required in every table of its kind
+    std::string_view usual;  ///< default; empty: the key is required in every table of its kind
     std::string_view meaning;
-    std::vector<std::string_view> choices{};  ///< of a choice, in the order of the enumerators
+    std::vector<std::string_view> choices{};  ///< values of a choice, in the order of the enumerators
 
     [[nodiscard]] bool required() const noexcept { return usual.empty(); }
     /// "sweep.scene" of [sweep], "sweep.axes.key" of the other tables.

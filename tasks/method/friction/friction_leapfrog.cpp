@@ -12,7 +12,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// In the order in which a step runs them, which is also the order of the report.
+/// Cycles in the order of a step and of the report.
 enum FrictionCycle : int { record_kick_cycle = method_cycles, first_kick_cycle, finish_kick_cycle = first_kick_cycle + PassCycles::count };
 
 /// Cycles of stages; a kick of eleven stages is cycles of eight, two and one.
@@ -106,7 +106,7 @@ void FrictionLeapfrog::begin() {
     stage_ = 0;
 }
 
-/// By the spectral radius of friction, estimated now and then. @return why no table reaches so far
+/// Chooses by the spectral radius of friction, which is estimated now and then. @return why no table reaches so far
 Fault FrictionLeapfrog::choose_table() {
     if (steps_ % steps_between_estimates == 0) radius_ = spectral_radius(steps_ == 0 ? first_iterations : next_iterations);
     ++steps_;
@@ -116,7 +116,7 @@ Fault FrictionLeapfrog::choose_table() {
     return {FaultKind::too_stiff, w_.step.time, {}, radius_ * w_.step.h, tables_.longest_reach() / margin};
 }
 
-/// As many of the stages that are left as a cycle has. @return that cycle
+/// Takes the stages of the longest cycle that the remaining ones fill. @return that cycle
 int FrictionLeapfrog::next_stages() noexcept {
     const PassCycles::Cycle cycle = kick_cycles.longest(table_->plan.stages() - stage_);
     for (int k = 0; k < cycle.rounds; ++k, ++stage_) {

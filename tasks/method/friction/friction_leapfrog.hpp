@@ -59,11 +59,11 @@ public:
 private:
     /// Fields: velocities by slot; accelerations by everything but friction, of this step and of the one before (see now_); ….
     enum Own : std::size_t { state = start, base = state + kick_state_slots, first_slope = base + 2, mode, image };
-    static constexpr std::size_t mode_edges = kick_state_slots;  ///< those before are of states
+    static constexpr std::size_t mode_edges = kick_state_slots;  ///< edges before this number are of states
 
     struct Stage {
         KickRow row{};
-        double extrapolation = 0.0;  ///< of G, in units of the difference between the last two [1]
+        double extrapolation = 0.0;  ///< change of G at the stage, in units of the difference between its last two values
     };
     void begin();
     [[nodiscard]] Fault choose_table();
@@ -74,9 +74,9 @@ private:
     Workspace& w_;
     LeapfrogFrame frame_;
     const KickTables tables_;
-    const KickTable* table_ = nullptr;                ///< of the present step
+    const KickTable* table_ = nullptr;                ///< table of the present step
     int stage_ = 0;                                   ///< the first that is in no cycle yet
-    std::array<Stage, PassCycles::most> together_{};  ///< of the present cycle
+    std::array<Stage, PassCycles::most> together_{};  ///< stages of the present cycle
     long steps_ = 0;
     double radius_ = 0.0;  ///< spectral radius of friction [1/s]
 };

@@ -19,8 +19,8 @@ constexpr const char* ours = "this project (tasks/method/friction)";
 /// Bashforth, and -1 is an eigenvalue at h δ = 1.
 constexpr double frictionless_reach = 2.0000000000002398, damping_reach = 1.0;
 
-/// Over 20 ms on every ready scene slip is right to 0.2 % and the energy balance to 1e-3 of the losses (decision 96); stability allows
-/// 1.85 to 2.0 us there [s].
+/// Longest step [s]. Over 20 ms of every ready scene slip is right to 0.2 % and the energy balance to 1e-3 of the losses (decision 96);
+/// 1.85 to 2.0 us are stable there.
 constexpr double longest_swept_step = 2.0e-6;
 
 /// Friction by explicit stages on velocities alone.
@@ -58,8 +58,8 @@ constexpr double longest_swept_step = 2.0e-6;
     return parameters.detail.pins == model::PinDetail::rigid ? "" : "detail.pins = \"rigid\"";
 }
 
-/// At 5 us strands are off by 0.4 % and slip by 1.5 % at most (docs/detail.md), and 6.1 us are stable at `baseline`. The step is shorter
-/// where friction falls and where the chain is fast (auto_step.cpp) [s].
+/// Longest step of rigid pins, where strands are off by 0.4 % and slip by 1.5 % at most (docs/detail.md); 6.1 us are stable at `baseline`.
+/// The step is shorter where friction falls and where the chain is fast (auto_step.cpp) [s].
 constexpr double longest_rigid_step = 5e-6;
 
 /// Dampers of rigid pins take the velocity before the step: -1 is an eigenvalue at h δ = 2.

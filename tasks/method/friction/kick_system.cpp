@@ -85,7 +85,7 @@ void KickSystem::make_room() {
     for (SegmentEdges& edges : edges_) edges.make_room(segments);
 }
 
-/// All that outlasts a step: one that has been cut is yet to be taken again.
+/// Keeps all fields that outlast a step: a step that was cut is yet to be taken again.
 void KickSystem::repartition(const Partition& partition) {
     float* room = moving_.data();
     for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](float& number) { *room++ = number; });

@@ -16,13 +16,13 @@ namespace cvtflow::tasks {
 struct GhostColumn {
     int column;
     int owner;  ///< segment
-    int place;  ///< among the columns that the owner hands over: 0, its first one, or 1, its last one
+    int place;  ///< place among the columns that the owner hands over: 0, its first one, or 1, its last one
 };
 
-/// Which column of its segment's fields a link has, and what neighbouring segments read of each other.
+/// Columns of links in the fields of their segment, and the columns that neighbouring segments read.
 ///
 /// Columns of all links side by side would make segments share cache lines, and what a processor fetches ahead, a row's lines up to the
-/// next segment's, would be taken from the processor that writes them at every stage. So every segment has fields of its own, ghost columns
+/// next segment's, would be taken from the processor that writes them at every stage. So every segment has separate fields, ghost columns
 /// included, and what its neighbours need is handed over in one piece.
 class SegmentColumns {
 public:
@@ -129,7 +129,7 @@ protected:
 
     model::FrictionOperator friction_;
     SegmentColumns columns_;
-    std::size_t now_ = 0;  ///< which of two fields that outlast a step is this step's
+    std::size_t now_ = 0;  ///< index of the present step's field, of two that outlast a step
     SegmentEdges contact_edges_;
     std::vector<SegmentEdges> edges_;
 

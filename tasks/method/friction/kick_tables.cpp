@@ -9,7 +9,7 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr int most_stages = 400;
-/// How much damping pays was tried on the baseline: less leaves friction forces behind, more costs stages [1].
+/// Damping of the tables, by trial on the baseline: less leaves residual friction forces, more costs stages.
 constexpr double damping = 1.5;
 
 /// T_j(w0), T_j'(w0) for j = 0 … stages.

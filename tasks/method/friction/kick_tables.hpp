@@ -22,14 +22,14 @@ extern const Kick chebyshev_kick;
 /// One stage with the row that follows it: a stage, or the result.
 struct KickRow {
     engine::PlanStep here, next;
-    double weight = 0.0;  ///< of the stage in the result [1]
+    double weight = 0.0;  ///< weight of the stage in the result
     bool keeps_slope = false;
 };
 
 /// One table with what a kick needs to know of it.
 struct KickTable {
     engine::CompiledPlan plan;
-    std::vector<double> weights;  ///< of its stages in the result [1]
+    std::vector<double> weights;  ///< weights of the stages in the result
     double centre;                ///< Σ weight × time of the stages: where a slope that is linear in time has its mean
     double reach;                 ///< |h λ| on the real axis up to which it is stable [1]
     bool keeps_first_slope;       ///< whether rows after the second use the slope of stage 0
@@ -43,7 +43,7 @@ struct KickTable {
     }
 };
 
-/// From 2 to 400 stages.
+/// Tables of 2 to 400 stages.
 class KickTables {
 public:
     explicit KickTables(const Kick& kick);

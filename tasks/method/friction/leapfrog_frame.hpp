@@ -24,7 +24,7 @@ public:
 
     explicit LeapfrogFrame(Workspace& workspace) : w_(workspace) {}
 
-    /// There is no step before.
+    /// Forgets the previous step.
     void restart() noexcept;
     /// False if the step that begins repeats the last one with a shorter length.
     [[nodiscard]] bool is_new() const noexcept { return w_.step.time != begun_ || !continues_; }
@@ -38,7 +38,7 @@ public:
     void end(const model::SheaveForces& chain);
 
     [[nodiscard]] const model::ContactDrift& drift() const noexcept { return drift_; }
-    /// How much a force changes over the step, in units of the difference between its last two values; 0 without a step before.
+    /// Change of a force over the step, in units of the difference between its last two values; 0 without a step before.
     [[nodiscard]] double force_change_ratio() const noexcept { return force_change_ratio_; }
 
     void save(std::vector<double>& memory) const;
@@ -50,17 +50,17 @@ private:
 
     Workspace& w_;
     bool continues_ = false;           ///< there is a step before the present one
-    double begun_ = -1e300;            ///< where the present step began [s]
-    double length_ = 0.0;              ///< of the present step [s]
-    double length_before_ = 0.0;       ///< of the one before, 0: none [s]
+    double begun_ = -1e300;            ///< begin of the present step [s]
+    double length_ = 0.0;              ///< length of the present step [s]
+    double length_before_ = 0.0;       ///< length of the previous step; 0: none [s]
     double force_change_ratio_ = 0.0;  ///< [1]
     model::ContactDrift drift_;
     model::SheaveMotion sheaves_before_[4]{};
 };
 
-/// Cycles of the graph that take several rounds of friction (stages, passes) one after the other. A segment's round waits for its own
-/// previous round and those of the segments whose velocities it reads. Its output has two places in turn, so that a round does not
-/// overwrite what its neighbours read.
+/// Cycles of the graph that take several rounds of friction (stages, passes) one after the other. A segment's round waits for its previous
+/// one and for those of the segments whose velocities it reads. Its output has two places in turn, so that a round does not overwrite what
+/// its neighbours read.
 class PassCycles {
 public:
     static constexpr int count = 4, most = 8;

@@ -167,7 +167,7 @@ void RigidLeapfrog::count_energy(const model::WorkRates& power) noexcept {
         pins_.ledger[model::loss_kinds + k] = ledger_[model::loss_kinds + k] + account_.work[k];
 }
 
-/// When the length of steps changes: velocities by what the mean of both lengths leaves out, by the forces of the last step.
+/// Moves velocities to another lead over the coordinates, by the forces of the last step; called when the length of steps changes.
 void RigidLeapfrog::set_lead(double lead) noexcept {
     const double more = lead - pins_.lead;
     shift_ += (lead * lead - pins_.lead * pins_.lead) * pins_.acceleration_energy();  // ½ v·M v' at the coordinates, with no work done

@@ -40,10 +40,10 @@ public:
 
     /// Kinetic energy around the last kick: mean of before and after [J].
     [[nodiscard]] double kinetic() const noexcept { return mean_kinetic_; }
-    /// Torques of drive and load in the last kick [N·m].
+    /// Torques of drive and load, and of the shafts' drag, in the last kick [N·m].
     [[nodiscard]] std::array<double, 2> torque() const noexcept { return {inputs_.drive_torque, inputs_.load_torque}; }
-    [[nodiscard]] const std::array<double, 2>& drag() const noexcept { return inputs_.drag; }  ///< of the shafts, likewise
-    [[nodiscard]] model::WorkRates works() const noexcept;                                     ///< of velocities as they are [W]
+    [[nodiscard]] const std::array<double, 2>& drag() const noexcept { return inputs_.drag; }
+    [[nodiscard]] model::WorkRates works() const noexcept;  ///< powers of the inputs at the present velocities [W]
     /// Power of the shafts' drag, mean of before and after the last kick [W].
     [[nodiscard]] const std::array<double, 2>& drag_power() const noexcept { return drag_power_; }
     /// Powers of the couplings' far ends and of their dampers in the last kick [W].
@@ -74,7 +74,7 @@ private:
     const bool absent_;
     model::SheaveMotion sheaves_[4]{};
     model::Inputs inputs_;
-    double kinetic_ = 0.0, mean_kinetic_ = 0.0;                         ///< of velocities as they are; kinetic() [J]
+    double kinetic_ = 0.0, mean_kinetic_ = 0.0;                         ///< kinetic energies: at the present velocities; kinetic() [J]
     std::array<double, 2> far_power_{}, twist_power_{}, drag_power_{};  ///< [W]
 };
 
@@ -82,7 +82,7 @@ class RigidLeapfrog final : public StepMethod {
 public:
     static constexpr int state_slots = 1, slope_slots = 1;
 
-    /// For parameters with rigid pins.
+    /// Requires parameters with rigid pins.
     explicit RigidLeapfrog(Workspace& workspace);
 
     [[nodiscard]] CycleSequence step() override;
@@ -119,10 +119,10 @@ private:
     EnergyAccount& account_;
     EnergyAccount half_way_;      ///< account_ in the middle of the last step
     const double fastest_;        ///< kinetic energy with which no pin can be too fast [J]
-    model::RigidKick kick_;       ///< of the step
-    double kinetic_ = 0.0;        ///< of the velocities around the last kick [J]
-    double shift_ = 0.0;          ///< of the kinetic energy by all changes of the lead so far [J]
-    std::vector<double> ledger_;  ///< of the state at the start [J]
+    model::RigidKick kick_;       ///< kick of the present step
+    double kinetic_ = 0.0;        ///< kinetic energy around the last kick [J]
+    double shift_ = 0.0;          ///< sum of changes of the kinetic energy by changes of the lead [J]
+    std::vector<double> ledger_;  ///< ledger of the start state [J]
     bool cold_ = true;            ///< the state is in the workspace's slot
 };
 

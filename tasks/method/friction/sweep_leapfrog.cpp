@@ -119,7 +119,7 @@ void SweepSystem::sweep(const Workspace& w, model::SweepPart part, double openin
     if (part != model::SweepPart::closing) edges(number).give(columns_, f.of[velocity], segment);
 }
 
-/// By the mean velocities of the step: what friction takes from the kinetic energy, exactly.
+/// Finds the exact power that friction takes from the kinetic energy, by the mean velocities of the step.
 void SweepSystem::find_losses() const noexcept {
     if (losses_ != Losses::to_be_found) return;
     for (int s = 0; s < columns_.segments(); ++s) {
@@ -240,7 +240,7 @@ void SweepLeapfrog::begin() {
     passes_ = 1 + (cold_ ? first_sweeps : sweeps_);
 }
 
-/// As many of the passes that are left as a cycle has. @return that cycle
+/// Takes the passes of the longest cycle that the remaining ones fill. @return that cycle
 int SweepLeapfrog::next_passes() noexcept {
     const PassCycles::Cycle cycle = sweep_cycles.longest(passes_ - pass_);
     begun_ = pass_;

@@ -51,7 +51,7 @@ public:
     /// Pass `number` of the step, from 0 on. @param opening FrictionSweep::ahead
     void sweep(const Workspace& workspace, model::SweepPart part, double opening, int number, int segment) noexcept;
 
-    /// Losses by friction in the accounts of an observe cycle become what the forces of the last step have done; while all is at rest.
+    /// Replaces the friction losses in the accounts of an observe cycle by the powers of the last step's forces. Called at rest.
     void enter_losses(Workspace& workspace) noexcept;
 
     /// Data that outlast a step: its forces, and their losses.
@@ -87,7 +87,7 @@ public:
     /// Sweeps of a step without a step before.
     static constexpr int first_sweeps = 30;
 
-    /// For parameters with nothing missing_for_sweeps().
+    /// Requires parameters with nothing missing_for_sweeps().
     explicit SweepLeapfrog(Workspace& workspace);
 
     [[nodiscard]] CycleSequence step() override;
@@ -122,13 +122,13 @@ private:
     Workspace& w_;
     LeapfrogFrame frame_;
     SweepSystem system_;
-    const int sweeps_;           ///< of a step
+    const int sweeps_;           ///< sweeps of a step
     int pass_ = 0;               ///< the first that is in no cycle yet
-    int passes_ = 0;             ///< of the present step
+    int passes_ = 0;             ///< passes of the present step
     int begun_ = 0;              ///< the first pass of the present cycle
-    double begun_length_ = 0.0;  ///< of the step before, as it was begun [s]
-    double nominal_ = 0.0;       ///< of steps that nothing cuts short: the longest, or the last that was as long as the one before [s]
-    bool cold_ = true;           ///< the present step has none before it: forces begin at zero, and it takes first_sweeps
+    double begun_length_ = 0.0;  ///< length of the last step before it was cut [s]
+    double nominal_ = 0.0;       ///< length of uncut steps: the longest, or the last as long as the one before [s]
+    bool cold_ = true;           ///< no step precedes the present one: forces begin at zero, and it takes first_sweeps
 };
 
 }  // namespace cvtflow::tasks

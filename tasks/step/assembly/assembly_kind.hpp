@@ -5,7 +5,7 @@ namespace cvtflow::tasks {
 
 enum class Assembly {
     fused,   ///< one task per segment and evaluation, joints at segment borders computed by both neighbours: a single synchronisation
-    staged,  ///< the published schedule: every stage its own tasks; of the laboratory (bench/staged)
+    staged,  ///< the published schedule: separate tasks for every stage; of the laboratory (bench/staged)
 };
 
 enum class PartitionKind {

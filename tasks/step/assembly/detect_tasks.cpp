@@ -32,7 +32,7 @@ void report(SegmentResult& result, FaultKind kind, double time, int pin, double 
     return beyond <= magnitude;
 }
 
-/// Where inside the step a tip could have changed and changed back, judged on the parabola through both ends and the first slope.
+/// Whether a tip could have changed and changed back inside the step, judged on the parabola through both ends and the first slope.
 [[nodiscard]] bool grazes(const Workspace& w, int tip, const TipIndicator& middle) noexcept {
     const Phase phase = w.tips.phases[at(tip)];
     return w.rule.next(phase, w.tips.before[at(tip)]) == phase && w.rule.next(phase, middle) != phase;

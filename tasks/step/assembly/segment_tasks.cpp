@@ -23,7 +23,7 @@ void for_each_run(const model::ChainLayout& layout, const Segment& own, int halo
     }
 }
 
-/// Likewise that of a state vector, such as the end of the step.
+/// Copies a segment's window out of a state vector, such as the end of the step.
 const double* copy_window(Workspace& w, int segment, const double* state) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();

@@ -11,7 +11,7 @@ namespace cvtflow::tasks {
 /// returned.
 const double* fill_window(Workspace& workspace, int segment, int halo) noexcept;
 
-/// Likewise with the halo of the layout, by a kernel. workspace.step.row is a state, as it is, and a slope.
+/// fill_window() with the halo of the layout, by a kernel, where workspace.step.row is a state plus a multiple of a slope.
 const double* advance_window(Workspace& workspace, int segment, model::LinkAdvance* kernel) noexcept;
 
 /// A link and those of its neighbours that its tips depend on, at a time between those of states that are kept.

@@ -18,12 +18,12 @@
 
 namespace cvtflow::tasks {
 
-/// Memory of one coroutine's frame, kept for the next one: runs of a simulation and steps of a method follow each other, and only the
-/// first allocates. A second one at the same time has memory of its own. Outlives the coroutines in it.
+/// Memory of one coroutine's frame, kept for the next one: runs of a simulation and steps of a method follow each other, and only the first
+/// allocates. A second one at the same time is allocated separately. Outlives the coroutines in it.
 class FrameMemory {
 public:
     FrameMemory() = default;
-    /// With room for a frame from the beginning [B].
+    /// Allocates room for a frame [B].
     explicit FrameMemory(std::size_t bytes) : memory_(static_cast<std::byte*>(::operator new(bytes))), bytes_(bytes) {}
 
     [[nodiscard]] static void* take(std::size_t bytes, FrameMemory* kept) {
@@ -45,9 +45,9 @@ public:
     }
 
 private:
-    /// In front of a frame.
+    /// Header in front of a frame.
     struct alignas(__STDCPP_DEFAULT_NEW_ALIGNMENT__) Head {
-        FrameMemory* owner;  ///< nullptr: memory of its own
+        FrameMemory* owner;  ///< nullptr: allocated separately
     };
     struct Free {
         void operator()(std::byte* memory) const noexcept { ::operator delete(memory); }
@@ -96,7 +96,7 @@ public:
         if (!handle_.done()) handle_.resume();
         return handle_.done() ? engine::Controller::stop : handle_.promise().cycle;
     }
-    /// Why the coroutine has ended; empty: nothing went wrong.
+    /// Fault that ended the coroutine; empty: none.
     [[nodiscard]] const Fault& fault() const noexcept { return handle_.promise().fault; }
     /// Rethrows the exception that ended the coroutine, if any.
     void rethrow() const {

@@ -146,7 +146,7 @@ void EnergyLedger::Memory::add_noise(double now, double spacing) noexcept {
     p = {now, p[0], p[1], p[2]};
 }
 
-/// Nothing was sampled, so nothing has noise but the shock of a start, which steps do not resolve.
+/// Adds counted energies. Their only noise is the shock of a start, which steps do not resolve.
 void EnergyLedger::sample_counted(double time, double pin_period) noexcept {
     m_.pin_period = pin_period;
     if (!on_ || !counted_ || (m_.samples > 0.0 && time <= m_.sampled)) return;

@@ -1,10 +1,10 @@
 #pragma once
-/// Where the energy of an integration goes: works of the inputs, losses by kind, what is stored, and whether they agree.
+/// Energy balance of an integration: works of the inputs, losses by kind, what is stored, and whether they agree.
 ///
-/// Works are exact sums over all steps: mean input times displacement. Losses are powers of the contact and damping laws at the states
-/// that the method produced, sampled at regular intervals of steps and integrated by the trapezoidal rule. They are computed independently
-/// of the works. A method that creates or destroys energy therefore shows a residual. After a window of time whose residual could be noise
-/// of sampling alone, samples are closer in the next one. (DECISIONS 74)
+/// Works are exact sums over all steps: mean input times displacement. Losses are powers of the contact and damping laws at the states that
+/// the method produced, sampled at regular intervals of steps and integrated by the trapezoidal rule. They are computed independently of
+/// the works. A method that creates or destroys energy therefore shows a residual. After a window of time whose residual could be noise of
+/// sampling alone, samples are closer in the next one. (DECISIONS 74)
 
 #include <algorithm>
 #include <array>
@@ -24,13 +24,13 @@ namespace cvtflow::tasks {
 /// ΔE - W + L over a span of time, and its tolerance.
 struct EnergyBalance {
     double span = 0.0;       ///< [s]
-    double change = 0.0;     ///< of the stored energy [J]
-    double work = 0.0;       ///< of the inputs [J]
+    double change = 0.0;     ///< change of the stored energy [J]
+    double work = 0.0;       ///< work of the inputs [J]
     double loss = 0.0;       ///< dissipated [J]
-    double energy_in = 0.0;  ///< what the inputs have brought, each interval's positive ones [J]
+    double energy_in = 0.0;  ///< works of the inputs, each interval's positive ones [J]
     double stored = 0.0;     ///< largest energy that the chain held [J]
     double deviation = 0.0;  ///< standard error of `loss` from sampling [J]
-    double samples = 0.0;    ///< of the losses [1]
+    double samples = 0.0;    ///< number of samples of the losses
 
     [[nodiscard]] double residual() const noexcept { return change - work + loss; }
     /// |residual| over the losses.
@@ -44,14 +44,14 @@ struct EnergyBalance {
 
 /// Energies that flow through a machine in a time: an efficiency is made of these, whatever the time. [J]
 struct EnergyFlow {
-    double lost = 0.0, clamping = 0.0;  ///< clamping: by what presses, or by the pump in its place
-    std::array<double, 2> shaft{};      ///< by drive and load; negative: taken out
+    double lost = 0.0, clamping = 0.0;  ///< losses; work of the clamping, or of the pump in its place
+    std::array<double, 2> shaft{};      ///< works of drive and load; negative: taken out
 
-    /// With the work and the losses of a pump that feeds the clamping [J]. Without work there is no pump.
+    /// Flow with the work and the losses of a pump that feeds the clamping [J]. Without work there is no pump.
     [[nodiscard]] EnergyFlow with_pump(double work, double loss) const noexcept;
-    /// From what brings any.
+    /// Sum of the positive works.
     [[nodiscard]] double input() const noexcept;
-    /// By shafts, not by a cylinder.
+    /// Energy taken out by shafts, not by a cylinder.
     [[nodiscard]] double taken() const noexcept;
     /// Whether shafts take less than a hundredth of the input.
     [[nodiscard]] bool no_load() const noexcept;
@@ -60,19 +60,19 @@ struct EnergyFlow {
     [[nodiscard]] double efficiency() const noexcept;
 };
 
-/// Cumulative since the integration began.
+/// Energies since the integration began.
 struct EnergySums {
     double time = 0.0;                             ///< [s]
-    std::array<double, model::loss_kinds> loss{};  ///< by kind [J]
-    model::WorkRates work{};                       ///< by input [J]
-    std::array<double, 2> drag{};                  ///< taken by seals, bearings and oil of the shafts before `work` [J]
+    std::array<double, model::loss_kinds> loss{};  ///< losses by kind [J]
+    model::WorkRates work{};                       ///< works by input [J]
+    std::array<double, 2> drag{};                  ///< energies taken by seals, bearings and oil of the shafts before `work` [J]
 
     [[nodiscard]] double lost() const noexcept;
     /// Linear between two sums, at a time between theirs. time [s]
     [[nodiscard]] static EnergySums between(const EnergySums& from, const EnergySums& to, double time) noexcept;
     /// Energies through the variator since `before`.
     [[nodiscard]] EnergyFlow since(const EnergySums& before) const noexcept;
-    /// Likewise from outside to outside: of the works before the drag of the shafts, which is lost.
+    /// Energies from outside to outside since `before`: with the works before the drag of the shafts, which is a loss.
     [[nodiscard]] EnergyFlow outside_since(const EnergySums& before) const noexcept;
 };
 
@@ -81,16 +81,16 @@ struct CouplingSums {
     std::array<double, 2> work{}, dissipated{};  ///< [J]
 };
 
-/// Taken from both shafts by seals, bearings and oil so far.
+/// Energies that seals, bearings and oil have taken from both shafts so far.
 struct DragSums {
     std::array<double, 2> energy{};   ///< [J]
-    std::array<double, 2> impulse{};  ///< of the torque [N·m·s]
+    std::array<double, 2> impulse{};  ///< impulse of the torque [N·m·s]
 };
 
 /// Work of the inputs since the integration began.
 struct InputWorks {
-    model::WorkRates work{};          ///< by input [J]
-    std::array<double, 2> impulse{};  ///< of the torques from outside, drive and load, on both shafts [N·m·s]
+    model::WorkRates work{};          ///< works by input [J]
+    std::array<double, 2> impulse{};  ///< impulse of the torques of drive and load on both shafts [N·m·s]
     DragSums drag;
     CouplingSums couplings;
 
@@ -127,7 +127,7 @@ public:
 private:
     static constexpr std::size_t max_count = 80, per_period = 64;
 
-    [[nodiscard]] std::size_t place(double number) const noexcept;    ///< of output `number` of those kept, the oldest is 0
+    [[nodiscard]] std::size_t place(double number) const noexcept;    ///< index of output `number`, counted from the oldest
     [[nodiscard]] double outputs_before(double time) const noexcept;  ///< time [s]
     [[nodiscard]] double period_begin(double time, double pin_period) const noexcept;  ///< last output a period or more before `time` [s]
 
@@ -146,7 +146,7 @@ public:
     static constexpr double window = 2e-3;
     /// Time after a jump, the beginning among them, in which samples lie closer [s].
     static constexpr double dense_time = 5e-4;
-    static constexpr double closer = 8.0;  ///< by which samples lie closer in dense sampling
+    static constexpr double closer = 8.0;  ///< factor by which samples lie closer in dense sampling
 
     /// A new integration begins. @param stride steps between samples of the losses (StepMethod::observation_stride)
     void restart(long stride) noexcept;
@@ -177,11 +177,11 @@ public:
     /// An output is due: closes the interval since the last one. @param momentum of the shafts [N·m·s]
     void output(double time, const std::array<double, 2>& momentum) noexcept;
 
-    /// At `time` ≥ the last sample; losses continue at their last rate. time [s]
+    /// Sums at `time` ≥ the last sample; losses continue at their last rate. time [s]
     [[nodiscard]] EnergySums sums(double time) const noexcept;
-    /// At the last sample.
+    /// Mark at the last sample.
     [[nodiscard]] EnergyMark mark() const noexcept { return m_.here(); }
-    /// From a mark of this ledger, or the beginning, to the last sample.
+    /// Balance from a mark of this ledger, or the beginning, to the last sample.
     [[nodiscard]] EnergyBalance balance(const std::optional<EnergyMark>& from = {}) const noexcept {
         return m_.balance_since(from.value_or(m_.all));
     }
@@ -197,10 +197,9 @@ public:
     /// Sums a whole pin period before now, less where a run has not lasted so long; none at the first output and before. time: now [s]
     [[nodiscard]] std::optional<EnergySums> sums_before(double time) const noexcept { return m_.past.before(time, m_.pin_period); }
 
-    /// So far.
     [[nodiscard]] const InputWorks& input_works() const noexcept { return m_.inputs; }
 
-    /// For checkpoints: continues bitwise.
+    /// Memory for a bitwise continuation from checkpoints.
     void save(std::vector<double>& memory) const;
     /// @param memory from save()
     /// @throws std::invalid_argument for a malformed memory
@@ -209,20 +208,20 @@ public:
 private:
     /// Numbers only: saved and loaded by visit(), the list of the fields.
     struct Memory {
-        double samples, sampled, steps;                     ///< how many; when the last one was [s]; steps since
-        double jumped;                                      ///< when inputs or the state jumped last, the beginning included [s]
+        double samples, sampled, steps;                     ///< number of samples; time of the last one [s]; steps since
+        double jumped;                                      ///< time of the last jump of inputs or state, or of the beginning [s]
         std::array<double, model::loss_kinds> power, loss;  ///< [W], [J]
-        std::array<double, 4> powers;                       ///< of the last samples, the last one first, for the noise of sampling [W]
+        std::array<double, 4> powers;                       ///< powers of the last samples, latest first, for the noise of sampling [W]
         double stored, max_stored, noise, energy_in, pin_period;  ///< [J], pin_period in s
         InputWorks inputs;
         model::WorkRates work_sampled;
         std::array<double, 2> impulse_output, momentum_output;  ///< [N·m·s]
         std::array<double, 2> chain_torque;                     ///< [N·m]
         double outputs, output_time;                            ///< [1, s]
-        EnergyMark all, part;                                   ///< begins of the judged spans of time: of all, and of the present window
+        EnergyMark all, part;                                   ///< begins of the judged spans: all, and the present window
         double max_error_ratio, dense_sampling;                 ///< dense_sampling: 1 while samples lie close [1]
-        double judged_from;  ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
-        PastSums past;       ///< at outputs
+        double judged_from;  ///< earliest begin of a window that counts: settling (t < 0) forgets how it began [s]
+        PastSums past;       ///< sums at outputs
 
         void add_noise(double power, double spacing) noexcept;
         [[nodiscard]] std::array<double, 2> torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept;
@@ -239,7 +238,7 @@ private:
     };
 
     Memory m_{};
-    model::Inputs inputs_;  ///< at the end of the last step
+    model::Inputs inputs_;  ///< inputs at the end of the last step
     bool known_ = false;
     bool on_ = true, counted_ = false;
     EnergyAccount account_;

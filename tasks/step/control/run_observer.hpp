@@ -11,7 +11,7 @@ namespace cvtflow::tasks {
 /// Counters so far. All monotone.
 struct Counters {
     long steps = 0;        ///< accepted steps, truncated ones included
-    long evaluations = 0;  ///< of the right-hand side
+    long evaluations = 0;  ///< evaluations of the right-hand side
     long detected = 0;     ///< transitions carried out
     long truncated = 0;    ///< steps cut at a transition
     long suppressed = 0;   ///< transitions postponed because the tip had just changed
@@ -39,7 +39,7 @@ struct TransitionRecord {
 class RunObserver {
 public:
     virtual ~RunObserver() = default;
-    /// At every output time, the first one included. The state is that of the workspace's slot 0.
+    /// Called at every output time, the first one included. The workspace's slot 0 has the state.
     virtual void output(double time, const Workspace& workspace, const Counters& counters) = 0;
     /// Whether sample() should be called now if the next occasion is at `time`. Asked where a step has ended and no output is due. Changes
     /// no result. time [s]
@@ -47,9 +47,9 @@ public:
         (void)time;
         return false;
     }
-    /// Between two outputs, where samples() requests it; the state is that of the workspace's slot 0. time [s]
+    /// Called between two outputs, where samples() requests it. The workspace's slot 0 has the state. time [s]
     virtual void sample(double /*time*/, const Workspace& /*workspace*/, const Counters& /*counters*/) {}
-    /// After each truncated step, for every tip that changed.
+    /// Called after each truncated step, for every tip that changed.
     virtual void transition(const TransitionRecord& record) = 0;
 
 protected:

@@ -1,5 +1,5 @@
 #pragma once
-/// How long a step is: fixed, chosen by an AutoStep, or so long that its estimated local error meets a tolerance; and when a run ends.
+/// Length of a step: fixed, chosen by an AutoStep, or so long that its estimated local error meets a tolerance; and the end of a run.
 
 #include <array>
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace cvtflow::tasks {
 enum class StepControl {
     fixed,   ///< run.step, whatever the error
     report,  ///< run.step, and the local error is estimated and reported
-    error,   ///< up to run.step, so that the local error stays below the tolerance
+    error,   ///< steps up to run.step, so that the local error stays below the tolerance
 };
 
 /// Size of an error of 1: coordinates (elastic deformations are micrometres) and velocities (friction saturates at some mm/s).
@@ -33,7 +33,7 @@ public:
     /// @param longest first and longest step [s]   @param power the estimate falls like step^power, ≥ 1
     StepSizeControl(double longest, int power) noexcept : longest_(longest), power_(power), proposal_(longest) {}
 
-    /// How long the next step should be [s].
+    /// Proposed length of the next step [s].
     [[nodiscard]] double proposal() const noexcept { return proposal_; }
     /// Whether a step of length `step` with this error, in units of the tolerance, is good enough. An error that is no number never is.
     /// error [1], step [s]
@@ -70,7 +70,7 @@ public:
     [[nodiscard]] virtual double longest(double time, const double* state, const model::Phase* phases) noexcept = 0;
     /// A new integration begins.
     virtual void restart() noexcept = 0;
-    /// For checkpoints: continues bitwise.
+    /// Memory for a bitwise continuation from checkpoints.
     virtual void save(std::vector<double>& memory) const = 0;
     virtual void load(std::span<const double> memory) = 0;  ///< @param memory from save()
 
@@ -89,8 +89,8 @@ struct StepSettings {
     long max_steps = 0;             ///< 0: no budget
     double max_wall = 0.0;          ///< [s], 0: no budget
     StepControl control = StepControl::fixed;
-    double tolerance = 1.0;        ///< of local errors, in units of ErrorScale [1]
-    StepChoice* choice = nullptr;  ///< what chooses automatic steps; outlives the controller
+    double tolerance = 1.0;        ///< tolerance of local errors, in units of ErrorScale
+    StepChoice* choice = nullptr;  ///< chooser of automatic steps; outlives the controller
     const bool* pause = nullptr;   ///< if true (set by an observer), the run ends before the next step as if cancelled
 
     [[nodiscard]] bool automatic() const noexcept { return choice != nullptr && step == 0.0; }

@@ -33,7 +33,7 @@ void warm(Workspace& w) noexcept {
     w.warm();
 }
 
-/// Stages must have times of their own, and a step must advance the time by its length, to three digits.
+/// Stages must have different times, and a step must advance the time by its length, to three digits.
 [[nodiscard]] Fault check_precision(double time, double step) noexcept {
     const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(time);
     if (step >= shortest) return {};
@@ -226,7 +226,7 @@ void StepController::choose_step() {
     w_.step.dwell = dwell_steps * grid_.step;
 }
 
-/// To the next grid point or point of an input, in as many equal steps as the error requires.
+/// Proposes a step towards the next grid point or point of an input, in as many equal steps as the error requires.
 void StepController::propose_step() {
     const double step_end = next_step_end(w_, grid_);
     w_.step.h = step_end - w_.step.time;

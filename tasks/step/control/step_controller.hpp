@@ -27,15 +27,15 @@ public:
 
     /// Whether the error decides the length of steps.
     [[nodiscard]] bool decides() const noexcept { return decides_; }
-    /// Before a detect cycle: which row estimates the error.
+    /// Sets the row that estimates the error in the next detect cycle.
     void prepare(const StepMethod& method) const;
-    /// After it: whether the step is accurate enough. A step that is retaken up to a transition always is.
+    /// Whether the detected step is accurate enough. A step that is retaken up to a transition always is.
     [[nodiscard]] bool accepts(bool retaken);
     /// Proposed length of the next step [s].
     [[nodiscard]] double proposal() const noexcept { return size_.proposal(); }
     [[nodiscard]] const LocalErrorStatistics& statistics() const noexcept { return statistics_; }
 
-    /// Where the error decides, what is remembered goes before (comes from) the front of a method's memory.
+    /// Writes to, and reads from, the front of a method's memory where the error decides.
     void save(std::vector<double>& memory) const;
     void load(std::span<const double>& memory);
 
@@ -44,31 +44,31 @@ private:
 
     Workspace& w_;
     bool estimates_, decides_;
-    double tolerance_;  ///< in units of ErrorScale
+    double tolerance_;  ///< tolerance in units of ErrorScale
     StepSizeControl size_;
     LocalErrorStatistics statistics_;
 };
 
-/// The serial part of finding and carrying out transitions: what is done between detect, locate and truncate cycles.
+/// The serial part of finding and carrying out transitions, between detect, locate and truncate cycles.
 class TransitionSearch {
 public:
     TransitionSearch(Workspace& workspace, StepMethod& method);
 
-    /// Before a detect cycle: the pulleys' part of the step's result.
+    /// Computes the pulleys' part of the step's result, for a detect cycle.
     void prepare_detection();
-    /// After it: the first fault in the result, and whether a tip may change its phase (due()). Adds to counters.suppressed.
+    /// Finds the first fault in the result of a detect cycle, and whether a tip may change its phase (due()). Adds to counters.suppressed.
     [[nodiscard]] Fault check(Counters& counters);
     [[nodiscard]] bool due() const noexcept { return due_; }
     /// Slopes of the links at the step's start, which locate and truncate cycles interpolate. Only few steps need them.
     void complete_start_slopes();
-    /// Before and after an evaluate cycle at the step's end: the slope there. @return the cycle
+    /// Begins and ends an evaluate cycle for the slope at the step's end. @return the cycle
     [[nodiscard]] int prepare_end_slope();
     void close_end_slope();
-    /// After a locate cycle: takes the earliest transition of all segments as the place of the cut; false if none lies within the step.
+    /// Takes the earliest transition of all segments as the place of the cut, after a locate cycle; false if none lies within the step.
     [[nodiscard]] bool locate();
-    /// Before a truncate cycle: the pulleys at the cut. @return the cycle
+    /// Computes the pulleys at the cut, for a truncate cycle. @return the cycle
     [[nodiscard]] int prepare_truncation();
-    /// After it: the state at the cut is the current one. Reports every tip that has changed to `observer`.
+    /// Makes the state at the cut the current one, after a truncate cycle. Reports every tip that has changed to `observer`.
     void truncate(RunObserver& observer, Counters& counters);
     /// Reports every tip that differs from tips.phases_before to `observer`.
     void report_changes(RunObserver& observer, Counters& counters);
@@ -84,8 +84,8 @@ struct IntegrationState;
 class StepController final : public engine::Controller {
 public:
     /// The workspace's slot 0 and phases hold the start state. `cancel` may be set from anywhere, also from a signal handler.
-    /// @param from resumes that integration: the workspace holds its state (Simulation::restore), and settings.begin and the grid are its
-    /// own; nullptr: a new one begins
+    /// @param from resumes that integration, whose state the workspace holds (Simulation::restore), and whose begin and grid apply;
+    /// nullptr: a new one begins
     /// @throws std::invalid_argument if errors are requested and the method has no estimate
     StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer,
                    const engine::Cancellation& cancel, const IntegrationState* from = nullptr);
@@ -105,7 +105,7 @@ public:
     /// error decides [s].
     [[nodiscard]] double step() const noexcept { return settings_.control == StepControl::error ? settings_.step : grid_.step; }
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return errors_.statistics(); }
-    /// The workspace's: kept from one run to the next.
+    /// Memory of the workspace, kept from one run to the next.
     [[nodiscard]] FrameMemory* frame_memory() const noexcept { return &w_.frame; }
     /// Rethrows what the observer threw.
     void rethrow() const { integration_->rethrow(); }

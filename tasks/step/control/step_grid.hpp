@@ -1,5 +1,5 @@
 #pragma once
-/// Where steps end: at points of a grid, and where an input may jump or bend.
+/// Ends of steps: points of a grid, and times at which an input may jump or bend.
 
 #include "model/force/pulley.hpp"
 #include "tasks/step/control/step_control.hpp"
@@ -20,7 +20,7 @@ struct StepGrid {
     /// Steps of at most this length [s].
     void divide(double longest) noexcept;
     [[nodiscard]] double leg_length() const noexcept { return output_interval / static_cast<double>(legs_per_output); }
-    /// When the present point, or the next one, is due [s].
+    /// Times of the present point and of the next one [s].
     [[nodiscard]] double here() const noexcept { return time(leg, point); }
     [[nodiscard]] double next() const noexcept { return point + 1 < steps_per_leg ? time(leg, point + 1) : time(leg + 1, 0); }
     [[nodiscard]] bool at_output(long outputs) const noexcept { return point == 0 && leg == outputs * legs_per_output; }
@@ -38,7 +38,7 @@ private:
     [[nodiscard]] double time(long of_leg, long of_point) const noexcept;
 };
 
-/// With the error in charge, the grid is that of outputs.
+/// Grid of a run; its points are the outputs where the error decides the step.
 [[nodiscard]] StepGrid grid_of(const StepSettings& settings) noexcept;
 
 /// First point after t of the tables of inputs that are in use; infinite: none. Between two points inputs are smooth in time. t [s]

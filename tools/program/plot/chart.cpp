@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int region_points = 320;  ///< along either axis, at which a region is evaluated
+constexpr int region_points = 320;  ///< points along either axis at which a region is evaluated
 
 Json end_of(const std::optional<double>& end) { return end ? Json(*end) : Json(); }
 
@@ -40,7 +40,7 @@ Json series_json(const Series& series) {
             {"sets_ends", series.sets_ends}};
 }
 
-/// Where an axis places a value, up to a factor; and back.
+/// Place of a value along an axis, up to a factor; and back.
 double placed(const Axis& axis, double value) {
     if (axis.scale == Scale::linear) return value;
     if (axis.scale == Scale::logarithmic) return std::log10(value);

@@ -8,7 +8,7 @@
 
 namespace cvtflow::tools {
 
-/// How an axis places its values.
+/// Spacing of values along an axis.
 enum class Scale {
     linear,
     logarithmic,  ///< decades; values ≤ 0 are left out
@@ -16,7 +16,7 @@ enum class Scale {
 };
 
 struct Axis {
-    std::string label;  ///< with its unit: "step [s]"
+    std::string label;  ///< name and unit: "step [s]"
     Scale scale = Scale::linear;
     double linear_up_to = 1.0;           ///< symlog only: > 0
     std::optional<double> from{}, to{};  ///< ends; absent: those of the points, with a margin
@@ -30,12 +30,12 @@ struct Point {
 };
 
 struct Series {
-    std::string name;           ///< in the legend; empty: not in the legend
-    std::vector<Point> points;  ///< in the order in which a line joins them; points that are not finite interrupt it
+    std::string name;           ///< entry of the legend; empty: none
+    std::vector<Point> points;  ///< points in the order of the line; points that are not finite interrupt it
     Mark mark = Mark::dot;
     Line line = Line::none;
-    std::string colour;     ///< as in CSS; empty: the next of the palette
-    double width = 1.6;     ///< of the line [px]; a broad one, drawn first, shows below others that agree with it
+    std::string colour;     ///< CSS colour; empty: the next of the palette
+    double width = 1.6;     ///< width of the line [px]; a broad one, drawn first, shows below others that agree with it
     bool sets_ends = true;  ///< whether the axes reach its points; else it is cut where they end
 };
 
@@ -52,7 +52,7 @@ struct Plot {
     Axis x, y;
     std::vector<Series> series{};
     std::vector<Region> regions{};  ///< below the series, in this order
-    double height = 540.0;          ///< of the picture, which is 860 wide [px], without a legend below it
+    double height = 540.0;          ///< height without a legend below the picture, which is 860 wide [px]
 };
 
 /// The plot as an SVG document, the same every time.

@@ -14,12 +14,12 @@ inline constexpr int usual_digits = 9, all_digits = 0;  ///< all: as many as it 
 
 template <class Row>
 struct ReportColumn {
-    std::string key;                                               ///< in CSV and JSON; empty: on the terminal only
-    std::string heading;                                           ///< on the terminal; empty: in files only
+    std::string key;                                               ///< name in CSV and JSON; empty: on the terminal only
+    std::string heading;                                           ///< heading on the terminal; empty: in files only
     std::function<nlohmann::ordered_json(const Row&)> value = {};  ///< number, text or truth value; null: unknown
-    std::function<std::string(const Row&)> cell = {};              ///< on the terminal
+    std::function<std::string(const Row&)> cell = {};              ///< text on the terminal
     Align align = Align::right;
-    int digits = usual_digits;  ///< of real numbers in CSV
+    int digits = usual_digits;  ///< digits of real numbers in CSV
     bool quoted = false;        ///< texts in CSV always, not only where they must be
 };
 
@@ -74,7 +74,7 @@ template <class Row>
 }
 
 [[nodiscard]] nlohmann::ordered_json provenance_json();
-/// As a file: indented; numbers that are not finite are null.
+/// Text of a JSON file: indented; numbers that are not finite are null.
 [[nodiscard]] std::string json_text(const nlohmann::ordered_json& json);
 
 }  // namespace cvtflow::tools

@@ -34,7 +34,7 @@ namespace cvtflow::tools {
 /// The instant of a run at which tables of clamping force and load leave the smallest safety factor.
 struct LeastSafety {
     double limit = 0.0;        ///< 2 mu S_2 r_2/cos(beta) [N*m]
-    double load = 0.0;         ///< of the driven pulley, drag included; its sign is that of the load [N*m]
+    double load = 0.0;         ///< load of the driven pulley, drag included, signed as load.torque [N*m]
     double factor = INFINITY;  ///< limit over |load| [1]
 };
 /// None where no load acts, or where load or clamping force of the driven pulley follow from the run.

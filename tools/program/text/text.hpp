@@ -48,11 +48,11 @@ private:
 /// Executors that this build lacks, and their requirements; empty if none is missing.
 [[nodiscard]] std::string absent_executor_text();
 
-/// How a quantity is shown.
+/// Label and unit that show a quantity.
 struct Shown {
     std::string label;    ///< "slip [%]", "tight tension [N]"
-    double factor = 1.0;  ///< from the unit of the record to that of the label
-    std::string unit;     ///< of the label: "%", "N"; empty: none
+    double factor = 1.0;  ///< factor from the unit of the record to that of the label
+    std::string unit;     ///< unit of the label: "%", "N"; empty: none
 };
 
 /// Pictures, pages and tables of this process show SI units from now on. Called while the command line is parsed.

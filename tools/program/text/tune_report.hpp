@@ -11,8 +11,8 @@ namespace cvtflow::tools {
 /// The choice, measured at a point that tuning did not use.
 struct UnseenPoint {
     std::string name;
-    std::vector<double> errors;  ///< of every output; empty: no reference
-    std::string remark;          ///< why there is none, or a fault of the run; may be empty
+    std::vector<double> errors;  ///< error of every output; empty: no reference
+    std::string remark;          ///< reason for a missing reference, or a fault of the run; may be empty
 };
 
 /// Table of the tried choices, those left out, and the chosen one.

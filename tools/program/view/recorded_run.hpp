@@ -20,7 +20,7 @@ namespace cvtflow::tools {
 
 /// One number over the times of a record.
 struct Curve {
-    std::string name;  ///< of the channel; of one of several numbers "sheaves/axial_force[2]"
+    std::string name;  ///< name of the channel, or of one of its numbers: "sheaves/axial_force[2]"
     std::string unit, description;
     std::vector<double> values;
 };

@@ -18,9 +18,9 @@ struct SweepColumn {
 
 struct SweepView {
     std::string path;
-    std::string name;                           ///< of the sweep; of a CSV, the file's
-    std::vector<engine::Attribute> attributes;  ///< none of a CSV
-    std::optional<tasks::Scene> scene = {};     ///< what all cases share; none of a CSV, or if this program cannot read it
+    std::string name;                           ///< name of the sweep, or of the CSV file
+    std::vector<engine::Attribute> attributes;  ///< none for a CSV
+    std::optional<tasks::Scene> scene = {};     ///< values that all cases share; none for a CSV, or if this program cannot read it
     std::vector<SweepColumn> columns;
     std::vector<std::vector<std::string>> cells;  ///< [case][column]
 
@@ -36,9 +36,9 @@ struct SweepView {
 
 /// A column of measured data.
 struct MeasuredColumn {
-    std::string name, unit;      ///< as in the heading: "slip [%]"; without a unit the numbers are in SI
-    double factor = 1.0;         ///< from its unit to SI
-    std::vector<double> values;  ///< in SI; NaN for a cell that is no number
+    std::string name, unit;      ///< parts of the heading: "slip [%]"; without a unit the numbers are in SI
+    double factor = 1.0;         ///< factor from `unit` to SI
+    std::vector<double> values;  ///< numbers in SI; NaN for a cell that is no number
 };
 
 /// Measured data beside a simulation: a CSV whose headings are names of channels, columns or keys with units.

@@ -36,7 +36,7 @@ using model::End;
 
 constexpr std::array along_half{-1.0, -0.5, 0.0, 0.5, 1.0};  ///< ξ of the points of a half
 constexpr std::int64_t points_of_half = along_half.size();
-constexpr int sectors = 72;  ///< of a sheave
+constexpr int sectors = 72;  ///< sectors of a sheave
 
 enum ArrayNumber { axial_force, bending_moment, tension, joint_force, tip_force };
 

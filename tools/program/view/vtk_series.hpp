@@ -32,7 +32,7 @@ struct VtkMesh {
 
     [[nodiscard]] std::size_t cells() const noexcept { return types.size(); }
     void add(VtkCell type, std::span<const std::int64_t> corners, Solid which, int count);
-    /// A cell of points of its own, in their order.
+    /// A cell of new points, in their order.
     void add(VtkCell type, std::int64_t new_points, Solid which, int count);
 };
 
@@ -54,7 +54,7 @@ class VtkSeries {
 public:
     /// @param replace whether files of a former series may go
     VtkSeries(const engine::Permit& collection, const VtkMesh& mesh, std::vector<VtkArray> arrays, bool replace);
-    /// Without finish(): removes what it has written; a former series stays.
+    /// Removes what it has written if finish() was not called; a former series stays.
     ~VtkSeries();
     VtkSeries(const VtkSeries&) = delete;
     VtkSeries& operator=(const VtkSeries&) = delete;
@@ -74,7 +74,7 @@ private:
     bool replace_, finished_ = false;
     const VtkMesh& mesh_;
     std::vector<VtkArray> arrays_;
-    std::string rows_;  ///< of the collection
+    std::string rows_;  ///< rows of the collection
     long count_ = 0;
     std::uintmax_t bytes_ = 0;
 };

@@ -39,7 +39,7 @@ namespace fs = std::filesystem;
 
 /// A part of a ZIP file.
 struct ZipPart {
-    std::string name;  ///< with '/' between folders
+    std::string name;  ///< path with '/' between folders
     std::string bytes;
 };
 
@@ -51,7 +51,7 @@ constexpr std::uint16_t from_unix = 3 << 8 | zip_version;
 
 constexpr std::size_t longest_readable = 65535;
 
-/// Without zlib's own header, as ZIP wants it.
+/// Compressed bytes without zlib's header, as ZIP requires.
 std::string deflated(const std::string& bytes) {
     z_stream stream{};
     constexpr int level = 5;  // the library in a third of the time of the best level, 1.4 % larger
@@ -162,7 +162,7 @@ std::vector<FmuSystem> fmu_systems() {
     return systems;
 }
 
-/// Why the FMU is for Linux only; empty: it is for both. A library for Windows that is older than that for Linux may be of other sources.
+/// Reason why the FMU is for Linux only; empty: it is for both. A library for Windows that is older than that for Linux is left out.
 std::string no_windows(const std::vector<FmuSystem>& systems) {
     if (systems[1].file.empty()) return "no cvtflow_fmu.dll: docs/fmi.md";
     if (fs::last_write_time(systems[1].file) >= fs::last_write_time(systems[0].file)) return "";
@@ -176,7 +176,7 @@ std::string identifier_of(const std::string& name) {
     return identifier.empty() || std::isdigit(static_cast<unsigned char>(identifier[0])) != 0 ? "fmu_" + identifier : identifier;
 }
 
-/// At t = 0: a geometric start has settled.
+/// Simulation at t = 0, where a geometric start has settled.
 Simulation settled(const Scene& scene) {
     Simulation simulation(scene);
     if (simulation.time() < 0.0) simulation.advance_to(0.0);
@@ -292,7 +292,7 @@ std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem
     return zip_file(files);
 }
 
-/// Its description is the first of its parts; one with very many variables is compressed, and known by nothing.
+/// Rule for an FMU, which the description, its first part, identifies. A compressed one, with very many variables, identifies nothing.
 engine::OutputRule fmu_rule(const FmuArguments& arguments, const tasks::Scene& scene) {
     const std::vector<std::string> marks{"modelDescription.xml", "generationTool=\"cvtflow ",
                                          fmt::format("modelName=\"{}\"", html(scene.name))};

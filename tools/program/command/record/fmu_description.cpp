@@ -264,14 +264,14 @@ std::string_view shaft_of_input(std::string_view input) {
     return input == "ratio" ? "" : "shaft_2";
 }
 
-/// Its name within the terminal; empty for one that belongs elsewhere.
+/// Name of a variable within the terminal; empty if it belongs elsewhere.
 std::string member_name(const FmuVariable& variable, std::string_view terminal) {
     if (variable.kind == "input") return shaft_of_input(variable.source) == terminal ? variable.name : "";
     const std::string group = std::string(terminal) + ".";
     return variable.kind == "output" && variable.name.starts_with(group) ? variable.name.substr(group.size()) : "";
 }
 
-/// A channel named twice is one variable; a key that has a channel's name gets one of its own.
+/// A channel named twice is one variable; a key that has a channel's name gets another name.
 void add_once(std::vector<FmuVariable>& all, std::vector<FmuVariable> rows) {
     for (FmuVariable& row : rows) {
         const bool taken = std::any_of(all.begin(), all.end(), [&](const FmuVariable& other) { return other.name == row.name; });

@@ -14,16 +14,16 @@ namespace cvtflow::tools {
 struct FmuVariable {
     std::uint32_t reference = 0;
     std::string kind;  ///< "time", "input", "output", "parameter"; "flag": a Boolean output
-    std::string name;  ///< as importers see it, structured: shaft_1.speed; elements are links.tension[0], …
+    std::string name;  ///< structured name, as importers see it: shaft_1.speed; elements are links.tension[0], …
     std::string unit;
     std::string description;
     std::size_t width = 1;
     double start = 0.0;
     std::string source;                        ///< name inside: shaft_1/speed
-    std::size_t element = 0;                   ///< of the source
+    std::size_t element = 0;                   ///< element of the source
     std::optional<double> min = {}, max = {};  ///< range that is allowed [unit]
     double nominal = 0.0;                      ///< order of magnitude, a power of ten; 0: unknown [unit]
-    std::string display_unit{};                ///< that people use; empty: the unit itself
+    std::string display_unit{};                ///< usual unit; empty: `unit`
 };
 
 /// Names; "all" alone: every one that has one number.
@@ -36,18 +36,18 @@ struct FmuChoice {
 /// @param arrays whether variables may be arrays (FMI 3), else each element is a variable. @throws UsageError for unknown names
 [[nodiscard]] std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays);
 
-/// The resource that an FMU reads them from (api/fmi/fmi.hpp).
+/// Resource from which an FMU reads its variables (api/fmi/fmi.hpp).
 [[nodiscard]] std::string variables_text(const std::vector<FmuVariable>& variables);
 
 struct FmuFacts {
-    std::string name;                       ///< of the scene
-    std::string identifier;                 ///< of the library inside: a name in C
+    std::string name;                       ///< name of the scene
+    std::string identifier;                 ///< name of the library inside, valid in C
     std::string token;                      ///< unique to this FMU
     std::string description;                ///< one line
     std::string author;                     ///< empty: not stated
-    std::string date;                       ///< of generation, UTC, ISO 8601; empty: unknown
+    std::string date;                       ///< date of generation, UTC, ISO 8601; empty: unknown
     double until = 0.0;                     ///< end of the default experiment [s]
-    bool vehicle = false;                   ///< whether the scene has one
+    bool vehicle = false;                   ///< the scene has a vehicle
     std::vector<std::string> sources = {};  ///< files to compile, relative to sources/; empty: the FMU has no sources
 };
 

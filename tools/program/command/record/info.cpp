@@ -129,12 +129,12 @@ tasks::FolderProgress folder_progress(const std::string& folder) {
     return progress;
 }
 
-/// One process may have been killed: what it had claimed is then done by others.
+/// State of a part. Cases that a killed process had claimed are done by others.
 std::string part_state(const tasks::FolderProgress::Part& part) {
     return part.running ? "running" : part.claimed > part.done ? "stopped" : "ended";
 }
 
-/// How far the processes are that share a folder.
+/// Progress of the processes that share a folder.
 std::string shared_text(const std::string& folder, tasks::FolderProgress progress) {
     constexpr std::size_t shown_parts = 20;
     const auto of = [&](const char* name) { return engine::visible(progress.head.attribute(name)); };

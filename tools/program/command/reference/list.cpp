@@ -178,7 +178,7 @@ struct Listing {
     std::string_view name;
     std::string_view description;
     std::string (*text)();
-    std::string (*all)() = nullptr;  ///< with --all, if that lists more
+    std::string (*all)() = nullptr;  ///< text with --all, if that lists more
 };
 
 constexpr std::array listings{

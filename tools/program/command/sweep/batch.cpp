@@ -118,7 +118,7 @@ bool verified(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::
     return say_verification(asked.name, file, quiet) && (remarks.empty() || tasks::sweep_verification(file).verified > 0);
 }
 
-/// In the child.
+/// Runs a part of a sweep in a child process.
 ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, SweepOutput output) {
     const tasks::Sweep& sweep = tuned.sweep;
     const bool quiet = output.quiet;
@@ -154,7 +154,7 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
     return status;
 }
 
-/// In the parent: once for all children.
+/// Tunes a sweep in the parent process, once for all children.
 tasks::TunedSweep tuned_here(const tasks::Sweep& sweep, const std::string& folder, bool quiet) {
     if (!(sweep.accuracy.target > 0.0)) return {sweep, {}, std::nullopt};
     const auto say = [quiet](const std::string& what) { tools::say(quiet, what); };
@@ -183,7 +183,7 @@ bool pause() {
     return catch_interrupts().requested();
 }
 
-/// One of several processes that share the cases of a sweep. Each ends when all cases are done; the first one then merges their tables.
+/// Runs one of several processes that share a sweep's cases. Each ends when all cases are done; the first one then merges their tables.
 ExitStatus run_worker(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, SweepOutput output) {
     const std::vector<std::string> retry = std::exchange(options.retry, {});  // of the merged table
     for (tasks::WorkerPlaces places(tuned.sweep, options.folder); !places.done();) {

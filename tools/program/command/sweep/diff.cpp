@@ -28,7 +28,7 @@ struct Pair {
 /// Differences in a column.
 struct ColumnDifference {
     std::string name, unit;
-    double factor = 1.0;  ///< from SI to that unit
+    double factor = 1.0;  ///< factor from SI to `unit`
     long cases = 0;
     double largest = 0.0, relative = 0.0;  ///< largest |a - b| [SI] and |a - b| / max(|a|, |b|); NaN if texts differ
     std::string example, shown;            ///< the case of the largest relative difference, and both cells: in SI, in `unit`
@@ -72,7 +72,7 @@ std::string cell_text(const SweepView& sweep, std::size_t row, std::size_t colum
     return std::isfinite(value) ? fmt::format("{:.8g}", value) : sweep.cells[row][column].empty() ? "nothing" : sweep.cells[row][column];
 }
 
-/// Two cells in one unit, SI for files.
+/// Text of two cells in one unit, SI for files.
 std::string change_text(const SweepView& a, const SweepView& b, const std::string& column, const Pair& pair, double factor) {
     return fmt::format("{}: {} -> {}", pair.name, cell_text(a, pair.a, a.column(column), factor),
                        cell_text(b, pair.b, b.column(column), factor));
