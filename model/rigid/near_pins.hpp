@@ -19,10 +19,10 @@ namespace {
 
 /// A pulley as far as it decides which pins may touch.
 struct PulleyBounds {
-    double x, y;       ///< of the sheave at -z [m]
+    double x, y;       ///< axis of the sheave at -z [m]
     double low, high;  ///< planes of both flanks, for the middle of the longest pin [m]
-    double apart;      ///< at least the distance of both axes [m]
-    double tilt;       ///< at least that of both [rad]
+    double apart;      ///< upper bound of the distance of both axes [m]
+    double tilt;       ///< upper bound of both tilts [rad]
 
     PulleyBounds(const RigidCoefficients& c, const SheaveMotion& at_low, const SheaveMotion& at_high) noexcept
         : x(at_low.x),
@@ -42,7 +42,7 @@ class PinNearness : private PinBlocks<rigid_singles> {
 public:
     using PinBlocks<W>::PinBlocks;
 
-    /// At least the depth of each pin's tips [m]: the half's sphere nearest to the axis against the flank nearest to it, as if of one tip.
+    /// Upper bound of the depth of each pin's tips [m]: the sphere nearest to the axis against the flank nearest to the pin.
     [[nodiscard, gnu::always_inline]] DoublesOf<W> bound(const RigidCoefficients& c, const PulleyBounds (&pulleys)[2]) const noexcept {
         const double rounding = 1e-6 * (c.middle + c.touching_radius);  // more than that of floats at these distances [m]
         const PlaneV middle = read_rounded(Column::x), end = read_rounded(Column::p), bend = read_rounded(Column::bend_x);
@@ -73,7 +73,7 @@ private:
     }
 };
 
-/// > 0 for pins that may touch: in a step for those that pressed in the last one, and for those that are not certainly free.
+/// Sets `near` > 0 for pins that may touch: in a step those that pressed in the last one, and those that are not certainly free.
 inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
     const PulleyBounds pulleys[] = {{c, sheaves[0], sheaves[1]}, {c, sheaves[2], sheaves[3]}};
     const PinLanes one(1.0), none(0.0);
@@ -93,7 +93,7 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
     }
 }
 
-/// First near pin behind at least seven that are not, so that blocks that begin there and end anywhere do not meet; -1: none.
+/// First near pin after at least seven that are not near, so that blocks that begin there do not overlap; -1: none.
 [[nodiscard]] inline int first_near_pin(const double* near, int pins) noexcept {
     if (pins < 2 * rigid_lanes) return -1;
     int free = 0;

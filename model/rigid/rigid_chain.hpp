@@ -66,7 +66,7 @@ struct RigidInstant {
     const RigidModel& model;
     const RigidColumns& columns;
     const RigidForces& forces;
-    double lead;  ///< by which the columns' velocities are ahead of their coordinates [s]
+    double lead;  ///< time by which the columns' velocities are ahead of their coordinates [s]
 
     [[nodiscard]] double kinetic() const noexcept;  ///< energy of the pins [J]
     [[nodiscard]] RigidSums sums() const noexcept;
@@ -111,7 +111,7 @@ struct RigidState {
     void read(const double* y);
     /// The state at the time of the coordinates. @param y [unknowns]
     void write(double* y) const noexcept;
-    /// That part of it which is behind the pins. @param behind [unknowns behind the pins]
+    /// Writes the part of the state that follows the pins. @param behind [unknowns behind the pins]
     void write_tail(double* behind) const noexcept;
     [[nodiscard]] RigidInstant instant() const noexcept { return {model, columns, forces, lead}; }
     /// The unknowns that a kick changes behind the pulleys' coordinates end here: velocities and integrals. Unknowns of the hydraulics
@@ -126,7 +126,7 @@ struct RigidState {
     RigidForces forces;
     std::vector<double> tail, tail_slope;  ///< pulleys, controls, hydraulics, and their rates [unknowns behind the pins but the ledger]
     std::vector<double> ledger;            ///< losses and works so far, where the state has them [J]
-    double lead = 0.0;                     ///< by which velocities are ahead [s]
+    double lead = 0.0;                     ///< time by which velocities are ahead of coordinates [s]
 };
 
 /// Columns that the pins keep from step to step: first and last of those that follow each other.

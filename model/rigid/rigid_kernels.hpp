@@ -26,13 +26,13 @@ struct RigidReaction {
 
 /// Sums for an observation. Pairs: of pins at the driving and the driven shaft, or of links in the strand at y ≥ 0 and at y < 0.
 struct RigidSums {
-    double speed = 0.0;                    ///< of all pins' middles in their plane [m/s]
-    std::array<double, 2> radius{};        ///< of the pins between sheaves, about the shaft's axis [m]
-    std::array<double, 2> turning{};       ///< their angular speeds about it [rad/s]
-    std::array<double, 2> pins{};          ///< how many
+    double speed = 0.0;                    ///< speeds of all pins' middles in their plane [m/s]
+    std::array<double, 2> radius{};        ///< distances of the pins between sheaves from the shaft's axis [m]
+    std::array<double, 2> turning{};       ///< angular speeds of these pins about the axis [rad/s]
+    std::array<double, 2> pins{};          ///< number of these pins
     std::array<double, 2> tension{};       ///< elastic tensions of the inner links of a strand [N]
-    std::array<double, 2> links{};         ///< how many
-    double touching = 0.0;                 ///< tips that press
+    std::array<double, 2> links{};         ///< number of these links
+    double touching = 0.0;                 ///< number of tips that press
     std::array<double, 2> hold{}, drag{};  ///< see Creep (model/observe/chain_forces.hpp) [N·m·s], [N·m]
     double creep_power = 0.0;              ///< [W]
 };
@@ -71,7 +71,7 @@ struct RigidKernels {
     double (*kick)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
     /// Depths of the tips of pins 0 … 7 [m]. @param depth [tips][8]
     void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept;
-    /// How many pins' tips number `tip` press that did not, or the other way round; pins that fill the last vector count.
+    /// Number of pins whose tip number `tip` began or ceased to press; pins that fill the last vector count.
     double (*contact_changes)(RigidColumns& columns, int tip) noexcept;
     /// Sums over pins and tips. @param lead by which velocities are ahead of coordinates [s]
     void (*observe)(const RigidCoefficients& c, double lead, const RigidColumns& columns, RigidSums& sums) noexcept;

@@ -13,7 +13,7 @@ template <int W>
 struct TipPlace {
     PlaneOf<W> point;  ///< P - O
     Lanes<W> point_z;
-    Lanes<W> inverse_radius;  ///< of the sphere's centre [1/m]
+    Lanes<W> inverse_radius;  ///< inverse distance of the sphere's centre from the axis [1/m]
     PlaneOf<W> radial;        ///< unit vector from the axis to the sphere's centre, in the sheave's frame
     Lanes<W> out, in;         ///< ν_r, ν_z: components of the normal, outward and towards the other sheave
     PlaneOf<W> normal;        ///< G

@@ -129,7 +129,7 @@ public:
     }
 
 private:
-    /// As drag_power().
+    /// drag_power() in the width W.
     [[nodiscard, gnu::always_inline]] V damping_power(Column c, const V& force, const V& rate) noexcept {
         const V acting = implicit ? 0.5 * (force + convert<W>(read_pins(c))) : force;
         write_pins(c, widened<W>(force));
@@ -234,12 +234,12 @@ private:
         for (int k = 0; k < rigid_coordinates; ++k) write_pins(Column::tip_force_x + k, widened<W>(forces[k]));
     }
 
-    PlaneV velocity_change_, end_velocity_change_, bend_velocity_change_;  ///< in this step [m/s]
-    V velocity_change_z_[2], free_share_;  ///< of the halves; share of a force parting them that friction between them leaves
+    PlaneV velocity_change_, end_velocity_change_, bend_velocity_change_;  ///< changes in this step [m/s]
+    V velocity_change_z_[2], free_share_;  ///< changes of both halves; share of a parting force that friction between the halves leaves
     TipPlace<W> tips_[rigid_tips];
     RigidNormalForce<W> normal_[rigid_tips];
-    V pull_;                          ///< a fourth of what plates lengthen the pin with [N]
-    RigidSlip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step
+    V pull_;                          ///< Λ/4: a quarter of the force of plates that lengthens the pin [N]
+    RigidSlip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step [m/s]
 };
 
 /// Sums over the tips of a whole chain.

@@ -33,7 +33,7 @@ struct PlaneOf {
 };
 using Plane = PlaneOf<rigid_lanes>;
 
-/// As many doubles as a width has numbers.
+/// Doubles, as many as a vector of width W has lanes.
 template <int W>
 using DoublesOf = Lanes<lane_count<W>>;
 template <int W>
