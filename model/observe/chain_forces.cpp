@@ -209,7 +209,7 @@ struct PitchLine {
     double turning;  ///< θ' [rad/s]
 };
 
-/// From the rear half R to the front half L of the link before. (model/EQUATIONS.md section 10)
+/// Offset u from the rear half R to the front half L of the link before. (model/EQUATIONS.md section 10)
 struct Reach {
     Point offset, rate;  ///< u [m], [m/s]
 };

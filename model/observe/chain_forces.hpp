@@ -26,7 +26,7 @@ struct ChainForces {
     std::vector<double> bending_travel;  ///< [2 links] bending moment in the middle of a half, in the direction of travel [N·m]
     std::vector<double> bending_height;  ///< [2 links] the same along the link's height [N·m]
     std::vector<double> half_axial;      ///< [2 links] axial force of a half, tension is positive [N]
-    int plates_per_link = 0;             ///< as they are resolved: each, or lumped
+    int plates_per_link = 0;             ///< plates as resolved: each, or lumped
 };
 
 /// Plates of a link as they are resolved.
@@ -38,7 +38,7 @@ void observe_forces(const ChainModel& chain, const double* state, const LinkCont
 /// Forces of rigid pins. @param now of the chain
 void observe_forces(const ChainModel& chain, const RigidInstant& now, ChainForces& forces);
 
-/// Layout of what halves_of() gives.
+/// Layout of the states that halves_of() writes.
 [[nodiscard]] ChainLayout halves_layout(ChainLayout layout) noexcept;
 
 /// The links of a state as those of halves, in halves_layout(); as they are where pins are halves already. state, halves [unknowns]
