@@ -26,7 +26,7 @@ public:
     /// significand 2^exponent
     static constexpr EmulatedExtended of(std::uint64_t significand, int exponent) noexcept { return rounded(false, significand, exponent); }
 
-    /// Rounded to a double, denormal numbers too.
+    /// Value rounded to a double, denormal numbers too.
     explicit operator double() const noexcept {
         if (exponent_ >= not_a_number) return std::numeric_limits<double>::quiet_NaN();
         const int dropped = exponent_ < -1085 ? -1074 - exponent_ : 11;
@@ -83,7 +83,7 @@ public:
         return rounded(false, Wide(root) + (square - Wide(root) * root > root ? 1 : 0),
                        (x.exponent_ - shift) / 2);  // never halfway between two
     }
-    /// To the nearest whole number, ties to even.
+    /// Value rounded to the nearest whole number, ties to even.
     friend constexpr EmulatedExtended rint(EmulatedExtended x) noexcept {
         return x.exponent_ >= 0 ? x : rounded(x.negative_, x.without(-x.exponent_), 0);
     }
@@ -130,7 +130,7 @@ private:
         return whole + (rest > half || (rest == half && (whole & 1) != 0) ? 1 : 0);
     }
 
-    std::uint64_t significand_ = 0;  ///< its highest bit is set, but for zero
+    std::uint64_t significand_ = 0;  ///< highest bit set, except for zero
     int exponent_ = 0;
     bool negative_ = false;
 };

@@ -54,7 +54,7 @@ requires(is_native<W>) struct Lanes<W> {
 
     [[nodiscard]] NumberOf<W> operator[](std::size_t lane) const noexcept { return lane_of<W>(v, lane); }
     void set(std::size_t lane, NumberOf<W> value) noexcept { set_lane<W>(v, lane, value); }
-    /// As numbers: a copy of bytes might change any object, and the compiler would read pointers and strides again after it.
+    /// Copies numbers: a copy of bytes might change any object, and the compiler would read pointers and strides again after it.
     void copy_to(NumberOf<W>* to) const noexcept {
         typedef Vector Unaligned __attribute__((aligned(alignof(NumberOf<W>))));
         *reinterpret_cast<Unaligned*>(to) = v;
@@ -71,7 +71,7 @@ requires(is_native<W>) struct Lanes<W> {
     friend Lanes abs(const Lanes& a) noexcept { return native_abs<W>(a.v); }
 };
 
-/// from [lane_count<W>]
+/// Loads lanes. from [lane_count<W>]
 template <int W>
 [[nodiscard]] inline Lanes<W> load(const NumberOf<W>* from) noexcept {
     if constexpr (is_native<W>) {
@@ -83,7 +83,7 @@ template <int W>
     }
 }
 
-/// The first `count` lanes.
+/// Stores the first `count` lanes.
 template <int W>
 inline void store_first(const Lanes<W>& lanes, NumberOf<W>* to, int count) noexcept {
     if (count >= lane_count<W>) return lanes.copy_to(to);
@@ -112,7 +112,7 @@ template <int W>
     }
 }
 
-/// Its two halves added.
+/// Sum of both halves.
 template <int W>
 [[nodiscard]] inline Lanes<W / 2> folded(const Lanes<W>& lanes) noexcept {
     return half<W>(lanes, 0) + half<W>(lanes, 1);

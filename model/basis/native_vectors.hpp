@@ -17,7 +17,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// In a vector of the processor there are twice as many floats as doubles.
+/// Floats per vector of the processor: twice as many as doubles.
 inline constexpr int native_floats = 2 * native_lanes;
 
 inline constexpr int single_widths = 1 << 16;
