@@ -121,7 +121,7 @@ Row jitter(const cvtflow::Scene& scene, const cvtflow::State& start, const Way& 
     return row;
 }
 
-/// From a scene to the end of a new simulation's first step.
+/// Time from a scene to the end of a new simulation's first step.
 Row first_step(const cvtflow::Scene& scene, const Way& way, int rounds) {
     return measured("first_step", 0, way.name, rounds, [&] {
         const Clock::time_point begun = Clock::now();
@@ -131,7 +131,7 @@ Row first_step(const cvtflow::Scene& scene, const Way& way, int rounds) {
     });
 }
 
-/// From cancel() to the return of the call that it ends.
+/// Time from cancel() to the return of the call that it ends.
 Row cancellation(const cvtflow::Scene& scene, const cvtflow::State& start, const Way& way, int rounds) {
     cvtflow::Simulation simulation(scene, way.threads);
     return measured("cancellation", 0, way.name, rounds, [&] {

@@ -49,7 +49,7 @@ struct Settings {
 /// One turn of a contender [µs per cycle].
 struct Turn {
     double typical;  ///< median over its cycles: cost of an undisturbed cycle
-    double mean;     ///< of the turn's time: interference included
+    double mean;     ///< mean of the turn's time: interference included
 };
 
 /// Arithmetic that depends on itself, so that its time is its length; each task has a line of its own.

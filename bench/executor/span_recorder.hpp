@@ -25,7 +25,7 @@ private:
 
 struct Span {
     int what;            ///< task number or SpanCode
-    std::int64_t begin;  ///< since the recorder was made [ns]
+    std::int64_t begin;  ///< time since the recorder was constructed [ns]
     std::int64_t end;    ///< [ns]
 };
 

@@ -27,7 +27,7 @@ struct StagedChain {
     const double* states;  ///< stage state of the whole chain [unknowns]
     const model::SheaveMotion* sheaves;
     const model::Phase* phases;
-    double* slope;           ///< of the whole chain [unknowns, per second]
+    double* slope;           ///< slope of the whole chain [unknowns, per second]
     model::LinkLoad* loads;  ///< [links]
     StagedBuffers* buffers;
     model::Account* accounts;  ///< [links * account_parts], only for observing evaluations, else nullptr
