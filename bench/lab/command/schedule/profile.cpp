@@ -43,14 +43,14 @@ struct WaitPolicy {
     std::string name;
     std::vector<std::string> executors;                            ///< executors that it affects
     std::vector<std::pair<std::string, std::string>> environment;  ///< set in the child; others of these names are unset
-    std::vector<std::string> options;                              ///< of `cvtflow-lab profile`
+    std::vector<std::string> options;                              ///< options of `cvtflow-lab profile`
 };
 
 /// Measurements of a child process.
 struct PolicyResult {
     std::string name;
-    std::string csv_rows;         ///< without a heading
-    nlohmann::ordered_json json;  ///< its whole profile
+    std::string csv_rows;         ///< rows without a heading
+    nlohmann::ordered_json json;  ///< whole profile of the child
 };
 
 using Environment = std::vector<std::pair<std::string, std::string>>;

@@ -32,8 +32,8 @@ struct ProgramResult {
     bench::FrictionLimit any{};        ///< oscillator only: for every friction
     double ray_1 = 0.0, ray_5 = 0.0;   ///< linear only: along rays of damping ratio 1 % and 5 %
     bench::StageFigures worst;         ///< over all decays that the method takes
-    std::optional<ProgramLimit> limit;  ///< on a scene
-    double step = 0.0;                  ///< of the scene's point on the map; 0: the longest stable one [s]
+    std::optional<ProgramLimit> limit;  ///< limit on a scene
+    double step = 0.0;                  ///< step of the scene's point on the map; 0: the longest stable one [s]
 
     [[nodiscard]] bool oscillator() const noexcept { return stability.equation == bench::TestEquation::oscillator; }
 };
@@ -60,7 +60,7 @@ struct StabilityResult {
     double real = 0.0, imaginary = 0.0;  ///< reach along the axes
     double ray_1 = 0.0, ray_5 = 0.0;     ///< along rays of damping ratio 1 % and 5 %
     std::optional<PlanLimit> limit;      ///< only with a scene
-    double growth = 0.0, gain = 0.0;     ///< of stages and of their errors over the scene's decays at the limit; only with a scene
+    double growth = 0.0, gain = 0.0;     ///< growth of stages and of their errors over the scene's decays at the limit; only with a scene
 };
 
 /// Reaches, and over [-length, 0] nothing yet.
