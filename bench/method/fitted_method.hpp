@@ -14,7 +14,7 @@ namespace cvtflow::bench {
 
 /// The polynomial of at most max_stages stages that is stable for this extent (step times spectrum); empty if there is none.
 [[nodiscard]] std::optional<engine::StagePlan> fitted_plan(double real, double imaginary);
-/// By which a first fit asks for more than the step needs, to last [1].
+/// Extent of a first fit over the extent that the step needs.
 inline constexpr double fit_headroom = 1.1;
 
 /// Fits its polynomial to the spectrum (engine::fit), again when the spectrum or the step outgrows it or stays far below it.

@@ -73,7 +73,7 @@ struct Moments {
     Real bccc, bcd, bacc, bad;  ///< order 4; Σ b a c², Σ b a d
 };
 
-/// From the order conditions of the composition, one after the other. @param g of the state where the finish begins
+/// Moments by the order conditions of the composition, one after the other. @param g series of the state where the finish begins
 Moments moments(const Series& g) noexcept {
     const Real c = g[1], d = g[2];
     Moments m{};

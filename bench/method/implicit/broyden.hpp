@@ -20,8 +20,8 @@ public:
 
     /// x ← B⁻¹ B_0 x. @param x [m/s]   @param from leave out the updates before this one
     void apply(double* x, int from = 0) const noexcept;
-    /// After a step s = λ d that turned the residual r into r⁺:  u = (s - w)/(s·w), w = B⁻¹ (r⁺ - r). Ignored if s·w vanishes or no room is
-    /// left.
+    /// Adds the update of a step s = λ d that turned the residual r into r⁺:  u = (s - w)/(s·w), w = B⁻¹ (r⁺ - r). Ignored if s·w vanishes
+    /// or no room is left.
     void add(const double* s, const double* w) noexcept;
 
     /// The updates, appended to `memory` / taken back from its front. @return what is left

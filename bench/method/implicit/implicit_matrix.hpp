@@ -35,7 +35,7 @@ public:
 
     /// Enters G for the links of a chunk and eliminates its inner ones. @param theta θ [s]   @param shafts [links] ContactMap::shaft()
     void eliminate(int chunk, double theta, const bench::AccelerationJacobian& jacobian, const std::optional<int>* shafts) noexcept;
-    /// After all chunks: pulleys and separators. theta [s]
+    /// Eliminates pulleys and separators, after all chunks. theta [s]
     void join(double theta, const bench::AccelerationJacobian& jacobian) noexcept;
     /// Whether the last factorisation met no vanishing pivot.
     [[nodiscard]] bool sound() const noexcept;

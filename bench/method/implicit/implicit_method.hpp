@@ -69,7 +69,7 @@ protected:
     std::vector<std::optional<int>> shafts_;     ///< [links] ContactMap::shaft() at the last factorisation
     std::vector<double> right_side_, solution_;  ///< [matrix_.unknowns()]
     long jacobians_ = 0, factorisations_ = 0, solves_ = 0;
-    double theta_ = 0.0;           ///< of the matrix [s]
+    double theta_ = 0.0;           ///< θ of the matrix [s]
     bool exact_ = false;           ///< Jacobian by the model's derivatives, not by differences
     bool finish_in_tasks_ = true;  ///< finish() is called by the backward tasks
 

@@ -288,7 +288,7 @@ void TrapezoidalMethod::accept_trial(double norm) noexcept {
     if (end_slope_) finish_step();
 }
 
-/// By the variant's rule.
+/// Change of the matrix by the variant's rule.
 TrapezoidalMethod::Matrix TrapezoidalMethod::next_matrix() noexcept {
     if (std::exchange(renew_, false)) return Matrix::new_jacobian;
     const bool by_rule =

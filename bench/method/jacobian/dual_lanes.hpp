@@ -18,8 +18,8 @@ inline constexpr int directions = -N;
 template <int W>
 requires(W < 0) struct Lanes<W> {
     static constexpr std::size_t count = -W;
-    double value = 0.0;                 ///< [unit of the quantity]
-    std::array<double, count> slope{};  ///< by direction [unit of the quantity per unit of the variable]
+    double value = 0.0;
+    std::array<double, count> slope{};  ///< derivatives by direction
 
     Lanes() noexcept = default;
     Lanes(double constant) noexcept : value(constant) {}  // constants are written as numbers in formulas

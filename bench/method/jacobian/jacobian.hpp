@@ -120,11 +120,11 @@ private:
 //
 // Groups are independent of each other and share their base point: coarse tasks for a task graph.
 
-/// Where the derivative is taken, with what an evaluation there has left.
+/// Point at which the derivative is taken, with the results of an evaluation there.
 struct BasePoint {
     double time = 0.0;                         ///< [s]
     const double* state = nullptr;             ///< [layout.size()]
-    const double* slope = nullptr;             ///< its slope [unknowns]
+    const double* slope = nullptr;             ///< slope at the state [unknowns]
     const model::Phase* phases = nullptr;      ///< [4 links]
     const model::LinkLoad* loads = nullptr;    ///< [links]
     const model::Account* accounts = nullptr;  ///< [links * account_parts], only with a ledger

@@ -20,11 +20,11 @@ namespace {
 // The elements of model/force at one point - a plate, a point of a joint, a tip - over numbers with derivatives. Their arguments are the
 // same for every order of the axis, so they are compiled once.
 
-/// A plate sees a difference of order 0: x, y, z and their rates.
+/// A plate depends on a difference of order 0: x, y, z and their rates.
 inline constexpr int six = directions<6>;
-/// So does a point of a joint, with the direction and turning of both links: x, y, three rates, three of each link.
+/// A point of a joint depends on x, y, three rates, and direction and turning of both links, three each.
 inline constexpr int eleven = directions<11>;
-/// A tip sees the axis as a straight line, of order 1: five of the half, the link's direction, five rates, the turning, the sheave's
+/// A tip depends on the axis as a straight line, of order 1: five of the half, the link's direction, five rates, the turning, the sheave's
 /// motion.
 inline constexpr int two_dozen = directions<24>;
 
@@ -335,13 +335,13 @@ private:
     }
 
     bool of_after_;
-    double moment_ = 0.0;                            ///< on the link [N·m]
+    double moment_ = 0.0;                            ///< moment on the link [N·m]
     double local_[Weights::count + 1][inputs] = {};  ///< [force or moment][input]
 };
 
 // Contributions of tips to the rows of a link and of the pulleys: the element of model/force, over numbers with derivatives.
 
-/// One tip: how its motion depends on the link's unknowns, and what it does.
+/// Motion of one tip by the link's unknowns, and its effect.
 /// Seen from its tip, the axis of a pin half is a straight line, that is one of order 1: its coefficients c_0, c_1 along x and y, and z at
 /// its end, are what the tip depends on.
 template <int P>
@@ -456,7 +456,7 @@ private:
 
     const DualFrame& frame_;
     End end_;
-    double sign_;  ///< of the side [1]
+    double sign_;  ///< sign of the side
     int side_;
     double value_[P + 1], slope_[P + 1];  ///< weights of coordinates in the end of the axis, and in its slope over slope_scale [1]
     double start_[P + 1];                 ///< weights of coordinates in c_0 of the straight line [1]

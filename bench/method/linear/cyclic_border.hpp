@@ -70,13 +70,13 @@ public:
     /// rows.
     [[nodiscard]] const double* right_row() const noexcept { return right_row_.data(); }
     [[nodiscard]] int stride() const noexcept { return 2 * size_ + active_; }
-    /// Its contribution to the outer rows (left separator, then active border rows), size + active of them: [on right | on left | on
+    /// Contribution of the run to the outer rows (left separator, then active border rows), size + active of them: [on right | on left | on
     /// active].
     [[nodiscard]] const double* outer_rows() const noexcept { return outer_sum_.data(); }
 
     /// Forward substitution of f [count × size].
     void forward(const double* f) noexcept;
-    /// Its contribution to the right-hand side of the right separator [size], and of the outer rows [size + active].
+    /// Contribution of f to the right-hand side of the right separator [size], and of the outer rows [size + active].
     [[nodiscard]] const double* right_part() const noexcept { return right_part_.data(); }
     [[nodiscard]] const double* outer_part() const noexcept { return outer_part_.data(); }
     /// Interior unknowns [count × size] from those around. @param y active border unknowns [active]

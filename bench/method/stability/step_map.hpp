@@ -19,7 +19,7 @@ public:
     [[nodiscard]] virtual bool prepare(double h) = 0;
     /// Numbers of a disturbance; the first ones are q, then h v.
     [[nodiscard]] virtual int size() const noexcept = 0;
-    virtual void step(const double* from, double* to) = 0;  ///< from [unknowns], to [unknowns]
+    virtual void step(const double* from, double* to) = 0;  ///< maps a disturbance over one step. from, to [size()]
 
 protected:
     StepMap() = default;
