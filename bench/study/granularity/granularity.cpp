@@ -80,7 +80,7 @@ struct Setting {
     std::shared_ptr<engine::TaskGraph> graph;
     std::vector<Grain> grains;
     long cycles;
-    std::vector<double> bare;  ///< of a cycle, per round [s]
+    std::vector<double> bare;  ///< time of a cycle of the bare loop, per round [s]
 };
 
 struct Contender {

@@ -58,7 +58,7 @@ public:
     [[nodiscard]] PitchSequence random(std::mt19937_64& random) const;
     /// The largest tonality of the signals that the closed form expects [dB].
     [[nodiscard]] double expected(const PitchSequence& sequence) const;
-    /// From a shuffled sequence: exchanges two links as long as `expected` does not grow. @param moves exchanges to try
+    /// Climbs from a shuffled sequence: exchanges two links as long as `expected` does not grow. @param moves exchanges to try
     [[nodiscard]] PitchSequence climb(std::mt19937_64& random, int moves) const;
 
 private:
@@ -67,15 +67,15 @@ private:
     std::vector<OrderPowers> weights_;  ///< [signals][orders]
 };
 
-inline constexpr int noise_harmonics = 5;  ///< of the pin passing, up to which spectra reach
+inline constexpr int noise_harmonics = 5;  ///< harmonics of the pin passing that spectra reach
 
 struct NoiseSpectrum {
-    std::string fault;         ///< why there is no spectrum of a simulation; empty: there is one
+    std::string fault;         ///< reason for a missing spectrum of a simulation; empty: there is one
     double round = 0.0;        ///< turns of the chain per second [Hz]
     OrderPowers force;         ///< radial forces of both shafts on their bearings, sum of the squares [N²]
-    OrderPowers torque;        ///< of the chain on both shafts, sum of the squares [N² m²]
-    double force_tone = 0.0;   ///< tonality() of both [dB]
-    double torque_tone = 0.0;  ///< likewise [dB]
+    OrderPowers torque;        ///< torques of the chain on both shafts, sum of the squares [N² m²]
+    double force_tone = 0.0;   ///< tonality() of the forces [dB]
+    double torque_tone = 0.0;  ///< tonality() of the torques [dB]
     double wall = 0.0;         ///< [s]
 
     [[nodiscard]] bool simulated() const noexcept { return wall > 0.0; }

@@ -163,8 +163,8 @@ namespace {
 
 constexpr long first_steps = 4;
 constexpr long more_steps = 36;
-constexpr double cycle_seconds = 0.01;  // of a turn of bare cycles
-constexpr long max_stamps = 500000;     // of a thread: 12 MB
+constexpr double cycle_seconds = 0.01;  // seconds of a turn of bare cycles
+constexpr long max_stamps = 500000;     // stamps per thread: 12 MB
 
 /// Samples of one lane under one load.
 struct Samples {

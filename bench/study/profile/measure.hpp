@@ -75,10 +75,10 @@ struct LoadResult {
     double evaluation = 0.0;    ///< median time per evaluation of the right-hand side, detection and control included [s]
     double cpu_per_wall = 0.0;  ///< processors kept busy by this process, neighbours not counted [1]
     double speed_up = 0.0;      ///< median of serial over median of this, under the same load [1]
-    int rounds = 0;             ///< that count; 0: not measured
-    std::string dropped;        ///< why there are not more, empty: there are all
+    int rounds = 0;             ///< rounds that count; 0: not measured
+    std::string dropped;        ///< reason for missing rounds; empty: none is missing
     double cpu = 0.0;           ///< median processor time of this process per step, neighbours not counted [s]
-    double burnt = 0.0;         ///< of that, what serial does not need under the same load: burnt while waiting, or lost to caches [s]
+    double burnt = 0.0;         ///< part of cpu that serial does not need under the same load: burnt while waiting, or lost to caches [s]
 };
 
 /// Gain over serial's turn of the same round, separately for near and far rounds. Near: a bare barrier of as many threads, unpinned, took
@@ -92,23 +92,23 @@ struct PairedGain {
 struct Recording {
     RecordedPass pass;
     Spans spans;
-    std::vector<std::string> tasks;  ///< names, by number
-    std::vector<int> cycles;         ///< of tasks, by number
+    std::vector<std::string> tasks;  ///< names of tasks, by number
+    std::vector<int> cycles;         ///< cycles of tasks, by number
     long steps = 0;
     long lost = 0;      ///< stamps that did not fit
-    double cost = 0.0;  ///< what recording adds to the step time, as a share of it
+    double cost = 0.0;  ///< relative increase of the step time by recording
 };
 
 struct ScheduleResult {
     tasks::Schedule schedule;
     std::string name;               ///< "flow:fused"
-    std::vector<LoadResult> loads;  ///< in the order of MeasureOptions::neighbours
+    std::vector<LoadResult> loads;  ///< results in the order of MeasureOptions::neighbours
     Recording recording;
     CycleCost cycle;         ///< synchronisation of the executor by itself: median over rounds
     double bare = 0.0;       ///< a bare barrier of as many threads, measured in turn with it [s per cycle]
-    PairedGain paired;       ///< without neighbours
+    PairedGain paired;       ///< gain without neighbours
     double predicted = 0.0;  ///< speed-up without neighbours by the critical path; 0: no prediction [1]
-    std::uint64_t hash = 0;  ///< after `hash_steps` steps
+    std::uint64_t hash = 0;  ///< hash after `hash_steps` steps
     long hash_steps = 0;
 };
 
@@ -127,7 +127,7 @@ struct ScheduleTrial {
     bool dropped = false;
 };
 
-/// Gain of as many independent serial runs at once as there are threads: what processors give without any synchronisation.
+/// Gain of as many independent serial runs at once as there are threads: the machine's gain without any synchronisation.
 struct CopiesGain {
     int threads = 0;
     PairedGain paired{};

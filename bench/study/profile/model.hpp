@@ -10,7 +10,7 @@
 
 namespace cvtflow::bench {
 
-/// Links over the links of the longest of M equal segments: what M threads bring if nothing but whole links costs time.
+/// Links over the links of the longest of M equal segments: speed-up by M threads if nothing but whole links costs time.
 [[nodiscard]] double even_speed_up(int links, int threads) noexcept;
 /// Amdahl's law.
 [[nodiscard]] double amdahl_speed_up(double serial_share, int threads) noexcept;
@@ -26,14 +26,14 @@ struct PathCosts {
     int lanes = 1;                 ///< neighbouring links that kernels take at a time: a group costs the same whether it is full or not
     double free = 0.0;             ///< evaluation of a lane of a group that touches nothing
     double touching = 0.0;         ///< evaluation of a lane of a group with a tip on a sheave
-    double border = 0.0;           ///< per segment and evaluation: joints and stage states of its two neighbours
-    double detect = 0.0;           ///< detection, per link
-    double controller = 0.0;       ///< per cycle
-    double synchronisation = 0.0;  ///< per cycle, linear law: fixed part …
-    double per_thread = 0.0;       ///< … and what each thread adds
+    double border = 0.0;           ///< cost per segment and evaluation: joints and stage states of its two neighbours
+    double detect = 0.0;           ///< cost of detection per link
+    double controller = 0.0;       ///< cost of the controller per cycle
+    double synchronisation = 0.0;  ///< cost per cycle, linear law: fixed part …
+    double per_thread = 0.0;       ///< … and part per thread
     double evaluations = 4.0;      ///< runs of the evaluation cycle per step [1]
-    double synchronisation_tree = 0.0;  ///< per cycle, logarithmic law: fixed part …
-    double per_doubling = 0.0;          ///< … and what each doubling adds
+    double synchronisation_tree = 0.0;  ///< cost per cycle, logarithmic law: fixed part …
+    double per_doubling = 0.0;          ///< … and part per doubling
     double stretch =
         1.0;  ///< time of a task on one of several threads over that on a single one: caches and memory are shared, states come from afar
     double jitter = 0.0;        ///< standard deviation of the time of one link's evaluation; that of n links is sqrt(n) times it
@@ -104,13 +104,13 @@ inline constexpr double assumed_synchronisation = 0.1e-6;
 
 struct ProfileModel {
     PathCosts costs;
-    double serial_share = 0.0;                ///< of the serial fused run [1]
+    double serial_share = 0.0;                ///< serial share of the serial fused run
     std::vector<bool> touching;               ///< [links]
     std::vector<ThreadCost> synchronisation;  ///< cycles of the `flow` executor on which all threads came
     bool assumed = false;                     ///< no such cycle with more than one thread: the synchronisation is `assumed_synchronisation`
     bool stretched = false;                   ///< whether the stretch was measured: some fused schedule got all its threads
-    double fit_error = 0.0;                   ///< rms of what the fit of links leaves, over the mean time of a sample [1]
-    double serial_step = 0.0;                 ///< of one segment on one thread, by the model [s]
+    double fit_error = 0.0;                   ///< rms residual of the fit of links, over the mean time of a sample
+    double serial_step = 0.0;                 ///< step of one segment on one thread, by the model [s]
     std::vector<SpeedUpRow> curves;
 };
 

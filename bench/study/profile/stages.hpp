@@ -11,7 +11,7 @@ namespace cvtflow::bench {
 
 struct StageRow {
     std::string name;
-    char letter;  ///< in bar charts, none twice while letters and digits last
+    char letter;  ///< letter in bar charts, unique while letters and digits last
     bool task;
 };
 
@@ -54,16 +54,16 @@ using Spans = std::vector<std::vector<Span>>;  // [thread]
 /// One recorded run of an executor.
 struct RecordedPass {
     std::vector<ThreadTimes> threads;
-    double wall = 0.0;        ///< from the first thread's entering to the last one's leaving [s]
+    double wall = 0.0;        ///< time from the first thread's entering to the last one's leaving [s]
     double cycles = 0.0;      ///< runs of a sub-graph; fractional only if stamps were lost
     double levels = 0.0;      ///< levels within these: each ends with a synchronisation [1]
     double task_count = 0.0;  ///< [1]
 
-    [[nodiscard]] int active() const noexcept;  ///< threads that ran any task
+    [[nodiscard]] int active() const noexcept;  ///< number of threads that ran any task
     [[nodiscard]] double sum(std::size_t row) const noexcept;
-    [[nodiscard]] double tasks() const noexcept;       ///< [s], of all threads
+    [[nodiscard]] double tasks() const noexcept;       ///< task time of all threads [s]
     [[nodiscard]] double controller() const noexcept;  ///< [s]
-    [[nodiscard]] double wait() const noexcept;        ///< [s], of all threads
+    [[nodiscard]] double wait() const noexcept;        ///< waiting time of all threads [s]
 
     /// Time that every active thread loses per cycle, neither in a task nor because the controller works [s]:
     ///

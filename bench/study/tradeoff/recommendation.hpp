@@ -30,14 +30,14 @@ namespace cvtflow::bench {
 inline constexpr double tradeoff_safety = 3.0;
 
 struct ConfirmSettings {
-    double duration = 20e-3;  ///< from the scene's start [s]
-    double interval = 12e-6;  ///< between outputs [s]
-    double tolerance = 0.01;  ///< of mean slip and losses [1]
+    double duration = 20e-3;  ///< time from the scene's start [s]
+    double interval = 12e-6;  ///< time between outputs [s]
+    double tolerance = 0.01;  ///< tolerance of mean slip and losses
     std::vector<std::string>
         reference;  ///< settings; empty: the default method at a quarter of its automatic step, refined until it agrees with itself
 };
 
-/// A run that was long enough to be read, or what came instead.
+/// A run long enough for means, or its fault.
 struct LongRun {
     tasks::Fault fault;
     WatchResult watch;
@@ -86,7 +86,7 @@ private:
     std::string reference_text_;
     std::unique_ptr<model::Variator> variator_;
     std::deque<bench::LinearChain> ends_;   ///< linearised at both ends of the reference
-    std::map<std::string, double> stable_;  ///< by method [s]
+    std::map<std::string, double> stable_;  ///< stable step by method [s]
 };
 
 }  // namespace cvtflow::bench
