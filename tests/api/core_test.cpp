@@ -82,7 +82,7 @@ TEST_F(CoreLibrary, ThatIsNotInstalledIsNamedWithItsCommands) {
                                    "build --component core"));
 }
 
-/// By construction: not what the linker happened to need, but all that any of its objects mentions.
+/// The check covers all names that any object mentions, not only those that the linker needed.
 TEST_F(CoreLibrary, MentionsNoThreadLibraryAndNoFileOfPosix) {
     const auto [status, text] = output_of("nm -u '" CVTFLOW_CORE_LIBRARY "'");
     ASSERT_EQ(status, 0);

@@ -30,7 +30,7 @@ inline bool is_deep() {
     return given != nullptr && std::string(given) == "deep";
 }
 
-/// On the caller alone, and on threads of the simulation's own where they can be checked.
+/// Threads of the caller alone, and private threads of the simulation where they can be checked.
 inline std::vector<Threads> ways() {
     if (thread_sanitizer) return {Threads::caller()};
     return {Threads::caller(), Threads::private_arena(2)};

@@ -121,7 +121,7 @@ TEST_P(GeometricStart, EveryPlateHasTheLengthOfItsPretension) {
     }
 }
 
-/// At rigid pins, where plates and joints are in series in a link, as with halves, where each has its own depth.
+/// Rigid pins have plates and joints in series in a link; halves have a separate depth for each.
 TEST(GeometricStartOfEveryLevel, CarriesItsPretensionInEveryLink) {
     std::vector<std::string> all = levels();
     all.emplace_back("rigid");

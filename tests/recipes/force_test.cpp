@@ -28,7 +28,7 @@ using oracle::Real;
 // The second, plain implementation (tests/oracle).
 
 struct PlainStrut {
-    oracle::Vec2 force;  ///< on the front half
+    oracle::Vec2 force;  ///< force on the front half
     PlainStrut(oracle::Vec2 apart, oracle::Vec2 rate, oracle::Totals& totals) {
         const Real distance = norm(apart), beyond = distance - Real{FurtherElement::length};
         const oracle::Vec2 along = (1.0L / distance) * apart;

@@ -82,7 +82,7 @@ protected:
     void survive(const Target& target, const Forge& forge);
     /// Drawn changes of contents whose hashes are right, and of structure.
     void survive_drawn(std::uint64_t first, std::uint64_t seeds);
-    /// `count` of all changes of all objects and attributes, all of them if the seed of samples is "all"; of these one of equal parts.
+    /// Runs `count` of all changes of all objects and attributes, all of them if the seed of samples is "all"; of these one of equal parts.
     void survive_objects(std::size_t count, std::size_t part = 0, std::size_t parts = 1);
 
     void expect_survived(const Words& words, const std::string& what);

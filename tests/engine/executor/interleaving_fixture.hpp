@@ -48,7 +48,7 @@ struct Site {
 enum class Sabotage {
     none,
     relaxed,  ///< the operation orders nothing
-    torn,     ///< what reads and writes in one does so in two
+    torn,     ///< the operation reads and writes in two steps instead of one
 };
 
 class Interleavings;
@@ -126,9 +126,9 @@ public:
     struct Options {
         int workers = 2;
         long most = 5'000'000;  ///< interleavings; more are a fault
-        int absences = 0;       ///< how often a worker may go away
+        int absences = 0;       ///< number of times that a worker may go away
         Sabotage sabotage = Sabotage::none;
-        std::string place{};  ///< of the operation that is sabotaged
+        std::string place{};  ///< place of the operation that is sabotaged
     };
     struct Outcome {
         long interleavings = 0;     ///< run to their end

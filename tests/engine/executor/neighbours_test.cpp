@@ -59,7 +59,7 @@ TEST(AmongNeighbours, TwoSideBySide) {
     });
 }
 
-/// In a process that uses oneTBB itself.
+/// Executors in a process that uses oneTBB itself.
 class InsideAHost : public testing::Test {
     void SetUp() override {
         if (test::thread_sanitizer) GTEST_SKIP() << "the host is oneTBB";

@@ -45,8 +45,8 @@ inline constexpr std::array<std::string_view, 11> mutation_names{"rank",  "exten
                                                                  "group", "bits",   "bytes", "size",    "forged"};
 
 struct MutantOptions {
-    bool seal_anew = false;  ///< as someone does who knows how; otherwise the seal stays as it was, or is lost
-    bool forge = true;       ///< headers with checksums made right, too
+    bool seal_anew = false;  ///< renews the seal, like an expert; otherwise it stays as it was, or is lost
+    bool forge = true;       ///< corrects checksums of headers, too
 };
 
 /// Changes a file in place. @return what was done

@@ -29,7 +29,7 @@ TEST(SpeedProfile, GoesThroughItsPointsAndIsConstantOutside) {
     EXPECT_EQ(SpeedProfile::through(std::vector{0.1}, std::vector{0.7}).at(0.0), 0.7);
 }
 
-/// Between two points no value is outside theirs, and values keep their order.
+/// Values between two points are within theirs, and keep their order.
 TEST(SpeedProfile, IsMonotoneBetweenPoints) {
     const SpeedProfile profile = SpeedProfile::through(speeds, values);
     for (std::size_t k = 0; k + 1 < speeds.size(); ++k) {
@@ -266,7 +266,7 @@ struct BandContact {
         return damping + damping * stiffness / (a * (mass * a + damping));
     }
     [[nodiscard]] double limit_frequency() const { return std::sqrt(stiffness * follows() / (mass * follows() + damping)); }
-    /// With which friction falls by g [N].
+    /// Load with which friction falls by g [N].
     [[nodiscard]] double load(double g) const { return -g / (coefficient * speed_factor_slope<1>(law, Lanes<1>(band))[0]); }
 };
 
@@ -321,7 +321,7 @@ TEST(FrictionMemory, OfOneContactOnASpringHasRouthsLimitAndItsFrequency) {
     }
 }
 
-/// At once the limit is g = c: what memory stabilises.
+/// The limit without memory is g = c, which memory raises.
 TEST(FrictionMemory, MakesFallingFrictionStableThatIsUnstableAtOnce) {
     BandContact contact;
     contact.law = falling_with_memory(1e-5);

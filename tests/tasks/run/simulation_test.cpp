@@ -189,7 +189,7 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
     }
 }
 
-/// From one controller to two and back: the first one's integral continues, the second's begins at zero.
+/// The number changes from one to two and back: the first controller's integral continues, the second's begins at zero.
 TEST(Simulation, TakesASavedStateWithAnotherNumberOfControllers) {
     for (const auto driven : {model::DrivenControl::none, model::DrivenControl::safety}) {
         Scene scene = tiny_scene();

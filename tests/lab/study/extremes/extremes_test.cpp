@@ -1,4 +1,4 @@
-/// At every edge the program gives a right answer or states why not. The rows with their allowed endings are
+/// The program gives a right answer at every edge or states why not. The rows with their allowed endings are
 /// bench/study/extremes/*_rows.cpp.
 
 #include <gtest/gtest.h>

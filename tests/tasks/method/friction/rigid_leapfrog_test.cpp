@@ -370,7 +370,7 @@ TEST(RigidLeapfrog, StepsOfDifferentLengthsEndWhereEqualOnesDo) {
 
 const engine::Cancellation never_cancelled;
 
-/// At 2 us: the jolt of so small a machine is not resolved by 5 us.
+/// The scene `tiny` with rigid pins at 2 us: 5 us do not resolve the jolt of so small a machine.
 Scene rigid_tiny(const std::vector<std::string>& settings = {}) {
     Scene scene = ready_tiny();
     apply_detail(scene, "rigid");
@@ -480,7 +480,7 @@ TEST(RigidRuns, AllocatesNothingBetweenTheStartAndTheEndOfARun) {
     EXPECT_EQ(counter.before, counter.after);
 }
 
-/// On one thread whatever the scene leaves open; cut into segments it cannot be.
+/// The step runs on one thread if the scene leaves it open; it cannot be cut into segments.
 TEST(RigidRuns, IsOneSegment) {
     Schedule two;
     two.executor = "flow";
