@@ -87,7 +87,7 @@ public:
     friend constexpr EmulatedExtended rint(EmulatedExtended x) noexcept {
         return x.exponent_ >= 0 ? x : rounded(x.negative_, x.without(-x.exponent_), 0);
     }
-    /// 0.5 ≤ result < 1 of x > 0
+    /// Fraction of x > 0: 0.5 ≤ result < 1.
     friend constexpr EmulatedExtended frexp(EmulatedExtended x, int* exponent) noexcept {
         *exponent = x.exponent_ + 64;
         return of(x.significand_, x.exponent_ < not_a_number ? -64 : not_a_number);
@@ -99,7 +99,7 @@ public:
 
 private:
     __extension__ typedef unsigned __int128 Wide;
-    static constexpr int not_a_number = 1 << 24;  ///< and above; exponents of the set-up are within 1 << 16
+    static constexpr int not_a_number = 1 << 24;  ///< exponents from here on; those of the set-up are within 1 << 16
 
     constexpr EmulatedExtended(bool negative, std::uint64_t significand, int exponent) noexcept
         : significand_(significand), exponent_(exponent), negative_(negative) {}
@@ -137,7 +137,7 @@ private:
 
 using Extended = std::conditional_t<std::numeric_limits<long double>::digits == 64, long double, EmulatedExtended>;
 
-/// significand 2^exponent: how a constant is written, whose last bits a double does not have.
+/// significand 2^exponent: a constant whose last bits a double does not have.
 template <class Number = Extended>
 [[nodiscard]] constexpr Number extended(std::uint64_t significand, int exponent) noexcept {
     if constexpr (std::is_same_v<Number, EmulatedExtended>) {

@@ -2,8 +2,8 @@
 /// Vector lanes: links side by side (model/kernels/link_lanes.hpp). A lane count is a compile-time constant, and sums are taken in one
 /// fixed tree: results do not depend on the instruction set.
 ///
-/// Everything here and in the headers of kernels lies in unnamed namespaces: each translation unit has a copy of its own, compiled for its
-/// own instruction set, and no linker can put the AVX-512 copy of a function where the baseline's is meant.
+/// Everything here and in the headers of kernels lies in unnamed namespaces: each translation unit has a copy for its instruction set, so
+/// that no linker can replace the baseline's copy of a function by that of AVX-512.
 
 #include <algorithm>
 #include <array>
@@ -15,8 +15,8 @@
 namespace cvtflow::model {
 namespace {
 
-/// Numbers of one unit [any] by their width tag (model/basis/native_vectors.hpp): doubles, or floats for what only has to be good enough to
-/// converge with. Wider than the processor's vectors: two halves.
+/// Numbers side by side, by their width tag (model/basis/native_vectors.hpp): doubles, or floats where less accuracy suffices. Wider than
+/// the processor's vectors: two halves.
 template <int W>
 struct Lanes {
     using Half = Lanes<half_width<W>>;
@@ -42,7 +42,7 @@ struct Lanes {
     friend Lanes abs(const Lanes& a) noexcept { return {abs(a.low), abs(a.high)}; }
 };
 
-/// One vector of the processor [any unit].
+/// One vector of the processor.
 template <int W>
 requires(is_native<W>) struct Lanes<W> {
     using Vector = Native<W>;
@@ -152,7 +152,7 @@ template <int W>
     }
 }
 
-/// One lane of `from` to the same lane of `to`.
+/// Copies one lane of `from` to the same lane of `to`.
 template <int W>
 inline void take(const Lanes<W>& from, std::size_t lane, Lanes<W>& to) noexcept {
     to.set(lane, from[lane]);

@@ -106,7 +106,7 @@ template <int W>
     }
 }
 
-/// a > b ? a : b, as one instruction where the processor has it (compilers see it in some places only).
+/// a > b ? a : b, as one instruction where the processor has it (compilers find it in some places only).
 template <int W>
 [[nodiscard]] inline Native<W> native_larger(Native<W> a, Native<W> b) noexcept {
 #if defined(__AVX512F__)

@@ -96,8 +96,8 @@ struct Coefficients {
     JointCoefficients joint;
     TipCoefficients tip;
     GuideCoefficients guide;
-    SpeedProfile clamping_limit;  ///< over the slip speed; 0 everywhere: none [N]
-    bool eccentric;               ///< a flank moves as its shaft turns
+    SpeedProfile clamping_limit;  ///< limit over the slip speed; 0 everywhere: none [N]
+    bool eccentric;               ///< whether a flank moves as its shaft turns
     std::vector<double> longer;   ///< [pins] excess of half a pin's length over ℓ_p/2; empty: all are equal [m]
     double middle;                ///< a/2: links with smaller x belong to shaft 0 [m]
     double centre_distance;       ///< a [m]

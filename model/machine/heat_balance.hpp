@@ -1,6 +1,5 @@
 #pragma once
-/// Temperatures of pulleys with chain, and of the oil around them, by a lumped heat balance that the losses feed. (model/EQUATIONS.md
-/// section 12)
+/// Temperatures of pulleys with chain, and of the oil around them, by a lumped heat balance of the losses. (model/EQUATIONS.md section 12)
 
 #include <array>
 #include <span>

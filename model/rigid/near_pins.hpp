@@ -1,5 +1,5 @@
 #pragma once
-/// Which pins have their tips computed: those that may touch, eight side by side from wherever they begin. (model/EQUATIONS.md section 11)
+/// Selection of the pins whose tips are computed: those that may touch, eight side by side from any pin on. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
     return most;
 }
 
-/// A pulley as far as it decides which pins may touch.
+/// Bounds of a pulley that decide which pins may touch.
 struct PulleyBounds {
     double x, y;       ///< axis of the sheave at -z [m]
     double low, high;  ///< planes of both flanks, for the middle of the longest pin [m]
@@ -33,7 +33,7 @@ struct PulleyBounds {
           tilt(std::max(std::abs(at_low.tilt_x) + std::abs(at_low.tilt_y), std::abs(at_high.tilt_x) + std::abs(at_high.tilt_y))) {}
 };
 
-/// Sixteen pins, and how near to a sheave their tips can be.
+/// Sixteen pins and the nearness of their tips to a sheave.
 class PinNearness : private PinBlocks<rigid_singles> {
     static constexpr int W = rigid_singles;
     using V = Lanes<W>;
@@ -105,7 +105,7 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
     return -1;
 }
 
-/// Tips' numbers of pins that are no longer near become zeros; those of a block that reached beyond the last pin belong to the first ones.
+/// Clears the tips' numbers of pins that are no longer near; moves those of a block that reached beyond the last pin to the first pins.
 inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
     constexpr Column last = Column::tip_radius + (rigid_tips - 1);
     columns.unwrap(Column::tip_stiffness_front, Column::tip_moment_rear, beyond);
@@ -123,7 +123,7 @@ inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
     }
 }
 
-/// Tips' numbers of velocities as they are, as of pins that are far from any sheave.
+/// Sets the tips' numbers to those of pins far from any sheave, for velocities as they are.
 inline void clear_tips(RigidColumns& columns) noexcept {
     const int all = columns.padded() + rigid_lanes;
     for (int tip = 0; tip < rigid_tips; ++tip) std::fill_n(columns[Column::tip_depth + tip], all, far_depth);

@@ -14,7 +14,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// Pins side by side, of which the first `count` are meant: the others, if any, are copies or are in another block as well.
+/// Pins side by side, of which the first `count` are valid: the others, if any, are copies or are in another block as well.
 struct PinBlock {
     int first, count;
 
@@ -28,7 +28,7 @@ struct PinBlock {
 }
 
 /// Columns of pins side by side, in blocks of eight.
-/// @tparam W width of what is computed from them
+/// @tparam W width of the results
 template <int W>
 class PinBlocks {
 public:
@@ -62,13 +62,13 @@ protected:
             return half<lanes>(values, block);
         }
     }
-    /// Calls visit(block) for each of them, its number known when this is compiled.
+    /// Calls visit(block) for each block, whose number is a compile-time constant.
     template <class Visit>
     [[gnu::always_inline]] static void over_blocks(const Visit& visit) noexcept {
         visit(std::integral_constant<int, 0>{});
         if constexpr (blocks == 2) visit(std::integral_constant<int, 1>{});
     }
-    /// 1 for pins that are meant.
+    /// 1 for valid pins, 0 for the others.
     [[nodiscard, gnu::always_inline]] Lanes<W> present() const noexcept {
         if constexpr (blocks == 1) {
             return own_[0].present();
@@ -82,7 +82,7 @@ protected:
     Blocks own_;
 };
 
-/// Numbers of all tips, as wide as what is computed with them: derived once per pass and not for each tip.
+/// Numbers of all tips in the width W: derived once per pass and not for each tip.
 template <int W>
 struct TipNumbers {
     TipNumbers(const RigidCoefficients& c, const RigidKick& kick) noexcept
@@ -120,15 +120,15 @@ struct TipNumbers {
     int further_steps;  ///< further iterations of Newton's method
 };
 
-/// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Tips are gone through by loops, in steps
-/// of the same length: written out one by one, they would be more than the processor keeps of decoded instructions.
+/// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Loops over tips are not unrolled: the
+/// code would exceed the processor's cache of decoded instructions.
 [[nodiscard]] constexpr std::size_t half_of_tip(std::size_t tip) noexcept { return tip / 2; }
 [[nodiscard]] constexpr std::size_t end_of_tip(std::size_t tip) noexcept { return tip % 2; }
 /// Number of a half's pitch line against the pin's, and its share of the halves' offset from each other.
 [[nodiscard]] constexpr int line_of(std::size_t half) noexcept { return half == 0 ? -1 : 0; }
 [[nodiscard]] constexpr double share_of(std::size_t half) noexcept { return half == 0 ? 0.5 : -0.5; }
 
-/// A pin half, and what it gives to the motion of its tips.
+/// Contributions of a pin half to place and motion of its tips.
 template <int W>
 struct HalfMotion {
     PlaneOf<W> line, outward;            ///< t and o of its pitch line
@@ -146,7 +146,7 @@ struct HalfMotion {
     Lanes<W> rise_rate, bend_rise_rate;  ///< rates of rise and bend_rise [m/s]
 };
 
-/// Place and velocity of one side's sheaves and pin ends, as the tips of that side need them.
+/// Contributions of one side's sheaves and pin ends to place and motion of the tips there.
 template <int W>
 struct SideMotion {
     double side;                 ///< ±1: -z or +z
@@ -173,7 +173,7 @@ struct PinMotion {
     Lanes<W> slide;
 };
 
-/// 1/√v. For floats from a root and a division of theirs and one step of Newton's method, which leaves 1e-13.
+/// 1/√v. Floats take a root and a division in floats and one step of Newton's method, which leaves 1e-13.
 template <int W>
 [[nodiscard, gnu::always_inline]] inline DoublesOf<W> inverse_root(const DoublesOf<W>& v) noexcept {
     const Lanes<W> start = 1.0 / sqrt(convert<W>(v));
@@ -228,7 +228,7 @@ private:
         return {read_plane_of(first), read_pins(first + 2), convert<W>(read_plane_of(first + 3)), convert<W>(read_plane_of(first + 6)),
                 convert<W>(read_pins(first + 5))};
     }
-    /// A number of the sheave at -z, for each pin that of its shaft. @param sheaves [4]
+    /// A number of the sheave at -z of each pin's shaft. @param sheaves [4]
     [[nodiscard, gnu::always_inline]] D in_doubles(double SheaveMotion::*number, const SheaveMotion* sheaves) const noexcept {
         return select_greater<Base::lanes>(second_, D(0.5), D(sheaves[2].*number), D(sheaves[0].*number));
     }

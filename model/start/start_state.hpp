@@ -1,5 +1,5 @@
 #pragma once
-/// Geometric start: a closed chain with every joint just touching (or pre-tensioned against its own centrifugal pull), every plate at its
+/// Geometric start: a closed chain with every joint just touching (or pre-tensioned against the centrifugal pull), every plate at its
 /// free length, sheaves just touching the tips, velocities of running without slip. (model/EQUATIONS.md)
 
 #include <functional>
@@ -27,7 +27,7 @@ struct StartState {
 
 using PathOf = std::function<PitchPath(double)>;  ///< path for a radius of the driving pulley (or ring)
 
-/// Positions of both halves of every pin, and where the pin is on the path.
+/// Positions of both halves of every pin, and the pin's place on the path.
 struct PlacedChain {
     std::vector<Point> front, rear;  ///< L_i, R_i
     std::vector<double> along;       ///< share of the way from the driving to the driven pulley
@@ -53,7 +53,7 @@ private:
                  PlacedChain& chain) const;
 
     PathOf path_of_;
-    bool ring_;                   ///< no pulleys
+    bool ring_;                   ///< whether there are no pulleys
     bool pitch_lines_;            ///< halves turn with the line between their pins, not with their link
     double guess_;                ///< [m]
     double arm_, diameter_;       ///< [m]
