@@ -18,7 +18,7 @@ namespace cvtflow::bench {
 inline constexpr double fit_headroom = 1.1;
 
 /// Fits its polynomial to the spectrum (engine::fit), again when the spectrum or the step outgrows it or stays far below it.
-/// A refit takes milliseconds and memory of its own: the only thing in the step loop that does.
+/// A refit takes milliseconds and allocates memory: the only thing in the step loop that does.
 class FittedBySpectrum final : public SpectralMethod {
 public:
     static constexpr int max_stages = 64;

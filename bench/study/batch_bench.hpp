@@ -1,5 +1,5 @@
 #pragma once
-/// How fast a sweep and a run are, against their bare step loop.
+/// Speed of a sweep and of a run, against their bare step loop.
 
 #include <string>
 #include <vector>

@@ -26,7 +26,7 @@ namespace cvtflow::bench {
 [[nodiscard]] std::vector<std::complex<double>> spectrum(const model::Variator& variator, double t, const std::vector<double>& state,
                                                          const std::vector<model::Phase>& phases);
 
-/// A kind of contact with friction of its own.
+/// A kind of contact with separate friction parameters.
 struct ContactKind {
     std::string_view name;
     model::Friction& (*friction)(model::Parameters&);

@@ -57,7 +57,7 @@ struct DetailOutcome {
     WatchResult watch;                              ///< means over the averaging; balance error of the settling included
     std::string status = "finished";                ///< "finished", "unreliable" or the fault's name
     std::string fault;                              ///< message for that; if not empty, the figures above are invalid
-    std::shared_ptr<tasks::Simulation> simulation;  ///< where the averaging ended
+    std::shared_ptr<tasks::Simulation> simulation;  ///< simulation at the end of the averaging
 };
 
 /// Measures variants of one scene.

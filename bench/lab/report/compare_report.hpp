@@ -23,7 +23,7 @@ namespace cvtflow::bench {
 
 /// Result of --front for a choice.
 struct FrontResult {
-    double stable_step = 0.0;  ///< up to which the method is stable [s]; infinite: any
+    double stable_step = 0.0;  ///< longest stable step of the method [s]; infinite: any
     std::optional<Confirmed> confirmed;
     std::string objection;  ///< reason against it, whatever its errors; empty: none
     bool front = false;

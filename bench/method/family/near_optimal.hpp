@@ -22,7 +22,7 @@ struct RecurrenceRow {
     double slope, older;  ///< [1]
 };
 
-/// Extended precision: what is left of a long recurrence after rounding has to be of its order to the last digits.
+/// Polynomial in extended precision: after the rounding of a long recurrence the order still holds to the last digits.
 struct NearOptimalPolynomial {
     int degree = 0;
     long double origin = 1.0L;    ///< a > 1: x of z = 0 [1]

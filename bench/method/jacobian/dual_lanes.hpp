@@ -1,6 +1,6 @@
 #pragma once
-/// A number with its derivatives in N directions (forward differentiation), as lanes of a width of its own: what is written over Lanes<W>
-/// yields exact Jacobians with W = directions<N>, kinks of friction laws included, where the branch taken is that of the value.
+/// A number with its derivatives in N directions (forward differentiation), as lanes with a separate width tag: code over Lanes<W> yields
+/// exact Jacobians with W = directions<N>, kinks of friction laws included, where the branch taken is that of the value.
 
 #include <array>
 #include <cmath>

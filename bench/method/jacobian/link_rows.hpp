@@ -1,5 +1,5 @@
 #pragma once
-/// Rows of one link in the exact Jacobian: the elements of model/force over numbers with derivatives, and what they contribute.
+/// Rows of one link in the exact Jacobian: the elements of model/force over numbers with derivatives, and their contributions.
 
 #include <cstring>
 
@@ -61,7 +61,7 @@ struct TipEffect {
     TipReaction<Lanes<two_dozen>> reaction{};
 };
 
-/// A tip on one side, or nothing where it has a gap. q, v: of a link of order 1, whose rear half is the tip's
+/// Effect of a tip on one side, none where it has a gap. q, v: of a link of order 1, whose rear half is the tip's
 template <int side>
 [[nodiscard, gnu::noinline]] inline TipEffect tip_at(const Coefficients& c, const LinkFrameOf<Lanes<two_dozen>>& frame,
                                                      const Lanes<two_dozen>* q, const Lanes<two_dozen>* v,
@@ -76,8 +76,8 @@ template <int side>
     return {tip_action(c, frame, geometry, motion, forces), tip_reaction(geometry, motion, forces)};
 }
 
-// Derivatives of one link's generalized forces with respect to its own unknowns, those of its two neighbours, and the motion of its
-// sheaves: rows of forces and one of the moment about z, filled contribution by contribution.
+// Derivatives of one link's generalized forces with respect to its unknowns, those of its two neighbours, and the motion of its sheaves:
+// rows of forces and one of the moment about z, filled contribution by contribution.
 
 /// Frame of a link, differentiated in (dx, dy, vx, vy), the difference of its halves and its rate.
 using DualFrame = LinkFrameOf<Dual<4>>;
@@ -342,8 +342,8 @@ private:
 // Contributions of tips to the rows of a link and of the pulleys: the element of model/force, over numbers with derivatives.
 
 /// Motion of one tip by the link's unknowns, and its effect.
-/// Seen from its tip, the axis of a pin half is a straight line, that is one of order 1: its coefficients c_0, c_1 along x and y, and z at
-/// its end, are what the tip depends on.
+/// The axis of a pin half is a straight line for a tip, one of order 1, which depends on its coefficients c_0, c_1 along x and y, and z at
+/// its end.
 template <int P>
 class TipRows {
 public:
@@ -387,7 +387,7 @@ public:
         rows.moment += effect_.action.moment.value;
     }
 
-    /// Rows of the pulleys on this link, and the effect of the sheave's own motion on it.
+    /// Adds rows of the pulleys on this link, and the effect of the sheave's motion on the sheave.
     void add_to_sheave(const ExactJacobian::SheaveMap& sheave, int link, AccelerationJacobian& out,
                        SheaveStiffness& stiffness) const noexcept {
         constexpr int n = LinkRows<P>::size;
@@ -429,7 +429,7 @@ private:
         return {{d[0], d[1], d[2]}, d[3], d[4], {d[5], d[6], d[7]}, {d[8], d[9], d[10]}};
     }
 
-    /// Derivatives of one number with respect to the link's own unknowns and its sheaves' motion.
+    /// Derivatives of one number with respect to the link's unknowns and its sheaves' motion.
     void expand(const T& part, double* out) const noexcept {
         using Rows = LinkRows<P>;
         std::memset(out + Rows::column(1, With::position, 0), 0, 2 * Rows::size * sizeof(double));

@@ -24,8 +24,8 @@ struct RitzVector {
 /// A Krylov space with its Hessenberg matrix. Grows by one dimension at a time, orthogonalised twice; the same bits every time.
 class KrylovSpace {
 public:
-    /// @param most dimensions that it may have; no more than `size`   @param start first direction [size]; of another length, or zero: one
-    /// that has a share of every eigenvector
+    /// @param most largest number of dimensions; at most `size`   @param start first direction [size]; of another length, or zero: one that
+    /// has a share of every eigenvector
     KrylovSpace(int size, int most, const std::vector<double>& start = {});
 
     /// One more dimension; false: the map could not be applied, or its result is not finite.
@@ -64,7 +64,7 @@ struct Growth {
 };
 
 struct GrowthSettings {
-    /// Multipliers nearer to 1 do not count: what a step resolves so well grows by itself if it grows, whatever the method.
+    /// Multipliers nearer to 1 do not count: motions that a step resolves so well grow by themselves or not at all, whatever the method.
     double from_one = 0.1;  ///< [1]
     int most = 160;         ///< dimension of the Krylov space
     double settled = 1e-4;  ///< change of the factor since there were half as many directions

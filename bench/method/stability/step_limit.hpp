@@ -1,5 +1,5 @@
 #pragma once
-/// The longest step with which a method is stable at a state, and what sets it.
+/// The longest step with which a method is stable at a state, and the reason for it.
 
 #include <limits>
 #include <span>
@@ -51,7 +51,7 @@ public:
     /// ratio to the estimate. [s]
     void calibrate(double known) noexcept;
 
-    /// Directions and limit, for checkpoints. load() returns what follows in memory.
+    /// Directions and limit, for checkpoints. load() returns the rest of the memory.
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 

@@ -36,7 +36,7 @@ struct Extreme {
     /// a neighbouring system and swings about ours by (h omega)^2 / 4, and they lag by (h omega)^2 / 24 of the angle, 0.1 rad after 100
     /// steps of h omega = 0.28.
     double swing = 0.0;
-    double step = 0.0;  ///< [s]; 0: 50 ns, or a tenth of what is stable if that is less: the stiffest mode may hold all the energy
+    double step = 0.0;  ///< step [s]; 0: 50 ns, or a tenth of the stable step if that is less: the stiffest mode may hold all the energy
     long steps = 200;
     bool geometric = false;  ///< begins with the geometric start even where the settled state of `tiny` would fit
     /// Changes the start. The simulation is at the start. step [s]

@@ -1,5 +1,5 @@
 #pragma once
-/// Speed-ups from counted instructions: what threads would gain if nothing but the work of tasks took time. Other load has no effect.
+/// Speed-ups from counted instructions: gain by threads if nothing but the work of tasks took time. Other load has no effect.
 
 #include <functional>
 #include <span>
@@ -15,7 +15,7 @@ namespace cvtflow::bench {
 /// left out of the first two speed-ups. The controller, which runs between cycles, is no task.
 struct WorkRow {
     int threads = 1;
-    int segments = 1;           ///< the largest counted number that gives no thread more than one
+    int segments = 1;           ///< largest counted number that gives no thread more than one segment
     int links = 0;              ///< links of the longest of as many equal segments as threads
     double even = 1.0;          ///< links of the chain over links of this segment
     double longest = 0.0;       ///< parallel work of the slowest thread, a segment per thread [instructions per step]
@@ -29,7 +29,7 @@ struct WorkRow {
 /// Work of all tasks of a stage, as one segment.
 struct StageWork {
     std::string stage;
-    double instructions = 0.0;  ///< per step
+    double instructions = 0.0;  ///< instructions per step
 };
 
 struct CountedWork {

@@ -1,5 +1,5 @@
 #pragma once
-/// Schedules measured alternately in one process: A B C A B C …, so that a noisy minute hits all alike; medians over rounds.
+/// Schedules measured alternately in one process: A B C A B C …, so that disturbances affect all alike; medians over rounds.
 /// A round continues where the last one ended, so a fast schedule gets further in simulated time: some microseconds, over which a step's
 /// cost hardly changes.
 
@@ -25,13 +25,13 @@ struct TrialSample {
     [[nodiscard]] double per_step() const noexcept { return wall / static_cast<double>(steps); }
 };
 
-/// One schedule at work on its own copy of a scene's start.
+/// One schedule, running from a copy of a scene's start.
 class Trial {
 public:
     /// @throws as Simulation
     Trial(const tasks::Scene& scene, const tasks::Schedule& schedule, engine::StampRecorder* recorder = nullptr);
 
-    /// To t = 0, if the scene's start has not settled yet. @throws SimulationError if the simulation ends by itself
+    /// Runs to t = 0 if the scene's start has not settled yet. @throws SimulationError if the simulation ends by itself
     void settle();
 
     /// Takes `steps` further steps, or fewer if they take longer than `timeout` [s], which is checked once per output interval. The search
@@ -51,7 +51,7 @@ private:
 
 /// Cost of an executor's synchronisation, apart from any chain.
 struct CycleCost {
-    double seconds = 0.0;  ///< per cycle, above the task's own time [s]
+    double seconds = 0.0;  ///< time per cycle beyond the task's [s]
     int active = 0;        ///< threads that ran at least a quarter of their share of tasks
 };
 

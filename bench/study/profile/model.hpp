@@ -15,10 +15,10 @@ namespace cvtflow::bench {
 /// Amdahl's law.
 [[nodiscard]] double amdahl_speed_up(double serial_share, int threads) noexcept;
 
-/// How the cost of a synchronisation grows with the number of threads, through what was measured.
+/// Growth of the cost of a synchronisation with the number of threads, fitted to measurements.
 enum class MeetingLaw {
     linear,       ///< every thread passes the counter's cache line on to the next: fixed + M x growth
-    logarithmic,  ///< passed on as in a tree: fixed + log2(M) x growth
+    logarithmic,  ///< the line is passed on as in a tree: fixed + log2(M) x growth
 };
 
 /// Parts of a step of the fused assembly [s].
@@ -37,7 +37,7 @@ struct PathCosts {
     double stretch =
         1.0;  ///< time of a task on one of several threads over that on a single one: caches and memory are shared, states come from afar
     double jitter = 0.0;        ///< standard deviation of the time of one link's evaluation; that of n links is sqrt(n) times it
-    double other_cycles = 0.0;  ///< per step, besides evaluations and one detection: location, truncation
+    double other_cycles = 0.0;  ///< cost per step besides evaluations and one detection: location, truncation
 };
 
 /// Cost of a meeting per cycle, on `threads` threads; none on one.
@@ -48,9 +48,9 @@ struct PathCosts {
 [[nodiscard]] double expected_largest(int count) noexcept;
 
 /// Step time of these segments on `threads` threads, each with a contiguous share of them: every cycle takes its slowest thread, the
-/// controller, and, with more than one thread, the meeting. A method's own tasks are spread by links, evenly. A single thread with a single
-/// segment knows no stretch, border or jitter: that is the reference of speed-ups.
-/// @param touching of each link, whether it touches
+/// controller, and, with more than one thread, the meeting. Tasks of the method are spread by links, evenly. A single thread with a single
+/// segment has no stretch, border or jitter: it is the reference of speed-ups.
+/// @param touching for each link, whether it touches
 [[nodiscard]] double step_time(const PathCosts& costs, const tasks::Partition& partition, int threads, const std::vector<bool>& touching,
                                double meeting);
 
@@ -65,10 +65,10 @@ struct SegmentCost {
     double seconds = 0.0;  ///< [s]
 };
 
-/// Cost of a segment, in lanes. @param touching of each link of the chain
+/// Cost of a segment, in lanes. @param touching for each link of the chain, whether it touches
 [[nodiscard]] SegmentCost lanes_of(const tasks::Segment& segment, const std::vector<bool>& touching, int lanes);
 
-/// Least squares for `free`, `touching` and `border`. Costs that the samples cannot tell apart (no touching link anywhere) become equal.
+/// Least squares for `free`, `touching` and `border`. Costs that the samples do not separate (no touching link anywhere) become equal.
 void fit_links(std::span<const SegmentCost> samples, PathCosts& costs);
 
 /// Cost of a synchronisation, measured with a number of threads.
@@ -87,19 +87,18 @@ struct SpeedUpRow {
     double even = 1.0;       ///< N / N_max(M)
     double amdahl = 1.0;     ///< [1]
     double predicted = 1.0;  ///< critical path, linear law [1]
-    double low = 1.0;        ///< if, beyond the measured number, a thread adds `far` times as much [1]
-    double high = 1.0;       ///< if the law is logarithmic and no task is ever late [1]
+    double low = 1.0;        ///< predicted speed-up if, beyond the measured number, a thread adds `far` times as much
+    double high = 1.0;       ///< predicted speed-up if the law is logarithmic and no task is ever late
 };
 
 /// Time of a cache line from another chiplet or socket over that from a neighbouring core (typical of present machines; an assumption). [1]
 inline constexpr double far = 3.0;
 
-/// For M = 1 … most, up to one link per segment. @param measured number of threads up to which the synchronisation was measured   @param
-/// serial_share [1]
+/// Curves for M = 1 … most, up to one link per segment. @param measured number of threads up to which the synchronisation was measured
 [[nodiscard]] std::vector<SpeedUpRow> speed_up_curves(const PathCosts& costs, double serial_share, const std::vector<bool>& touching,
                                                       int measured = 2, int most = 64);
 
-/// Synchronisation of `flow` with two threads on a quiet machine [s]: what the model takes where it cannot be measured.
+/// Synchronisation of `flow` with two threads on a quiet machine [s]: used where it cannot be measured.
 inline constexpr double assumed_synchronisation = 0.1e-6;
 
 struct ProfileModel {

@@ -1,5 +1,5 @@
 #pragma once
-/// Where the time of a recorded run goes: by stage of the step and by thread, and what is lost between tasks.
+/// Distribution of the time of a recorded run: by stage of the step and by thread, and the losses between tasks.
 
 #include <string>
 #include <vector>
@@ -77,11 +77,11 @@ struct RecordedPass {
     [[nodiscard]] double min_task() const noexcept;
     /// Longest over mean task time of all threads, over the whole run: 1 is even, the number of threads if only one worked.
     [[nodiscard]] double imbalance() const noexcept;
-    /// Share of the time between entering and leaving that is no task, for a run of one thread: what Amdahl's law calls serial.
+    /// Share of the time between entering and leaving that is no task, for a run of one thread: the serial share of Amdahl's law.
     [[nodiscard]] double serial_share() const noexcept;
 };
 
-/// Sums a run up. Spans of exactly one run, as SpanRecorder::spans() gives them; the table knows the graph.
+/// Sums a run up. Spans of exactly one run, from SpanRecorder::spans(); the table contains the graph.
 [[nodiscard]] RecordedPass sum_up(const engine::TaskGraph& graph, const StageTable& stages, const Spans& spans);
 
 }  // namespace cvtflow::bench

@@ -48,12 +48,12 @@ struct LocalError {
 [[nodiscard]] LocalError error_of(const model::Variator& variator, const tasks::FrozenStart& start, double h,
                                   const std::vector<double>& state, const std::vector<double>& reference);
 
-/// Steps of the classical Runge-Kutta method that a reference takes over h: `refinement`, but none longer than 12.5 ns, which is a quarter
-/// of what it is stable with at full detail.
+/// Steps of the classical Runge-Kutta method that a reference takes over h: `refinement`, but none longer than 12.5 ns, a quarter of its
+/// stable step at full detail.
 [[nodiscard]] int reference_steps(double h, int refinement) noexcept;
 
-/// The error of one step of `plan` from `start`, for each step length. The reference takes reference_steps() of the classical
-/// Runge-Kutta method over the same time, so methods up to order 4 are resolved down to an error (1/refinement)^4 of their own. steps [s]
+/// The error of one step of `plan` from `start`, for each step length. The reference takes reference_steps() of the classical Runge-Kutta
+/// method over the same time, so errors of methods up to order 4 are resolved to a part (1/refinement)^4. steps [s]
 [[nodiscard]] std::vector<LocalError> local_errors(const model::Variator& variator, const engine::StagePlan& plan,
                                                    const tasks::FrozenStart& start, std::span<const double> steps, int refinement = 32);
 

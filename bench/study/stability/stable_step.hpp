@@ -21,8 +21,8 @@ struct StableStep {
     std::complex<double> limiting{};  ///< the eigenvalue that leaves the region first [1/s]
 };
 
-/// A mode may grow this much faster than it does by itself and still count as stable: e-fold in 10 ms, longer than what is simulated.
-/// Without it, hardly damped slow modes would condemn every method whose region lacks the imaginary axis, however slowly they grow.
+/// A mode may grow this much faster than by itself and still count as stable: e-fold in 10 ms, longer than simulations. Without it, weakly
+/// damped slow modes would exclude every method whose region lacks the imaginary axis, however slowly they grow.
 inline constexpr double growth_rate_tolerance = 100.0;  ///< [1/s]
 
 /// The largest h such that no mode grows with any h' ≤ h: log|R(h' λ)|/h' ≤ max(Re λ, 0) + growth_rate_tolerance. Steps are tried in
@@ -40,7 +40,7 @@ struct MeasuredStep {
 };
 
 /// Whether a disturbance of all velocities by ± 1e-9 m/s (so little that hardly a contact comes to the kink of its law) grows in `steps`
-/// steps about the held state: twofold in their second half, or a thousandfold in all, beyond what it does by itself.
+/// steps about the held state: twofold in their second half, or a thousandfold in all, beyond natural growth.
 /// @param natural_growth largest positive real part in the spectrum, or 0 [1/s]
 [[nodiscard]] bool disturbance_grows(const model::Variator& variator, const engine::StagePlan& plan, const tasks::FrozenStart& start,
                                      double h, int steps, double natural_growth = 0.0);
@@ -72,7 +72,7 @@ protected:
     TakenStep& operator=(const TakenStep&) = default;
 };
 
-/// The simulation's own step, memory of the method included, along its way.
+/// The simulation's step, memory of the method included, along its way.
 class RealStep final : public TakenStep {
 public:
     /// @throws SimulationError as Simulation

@@ -1,6 +1,6 @@
 #pragma once
 /// Cost of a run and its error against a run with a tight step: the two axes of every work-precision picture.
-/// A run is a scene and settings ("run.method=dumka3-p5", "run.step=2us", …); nothing here knows what kind of method that is.
+/// A run is a scene and settings ("run.method=dumka3-p5", "run.step=2us", …), independent of the kind of method.
 
 #include <optional>
 #include <span>
@@ -110,7 +110,7 @@ public:
     /// set_values
     ErrorMeasure(tasks::Scene scene, MeasureSettings settings, const engine::Cancellation& cancel);
 
-    /// The scene with these settings, run as the reference was. A run that fails is a result: see Trajectory::fault.
+    /// Runs the scene with these settings, like the reference. A run that fails is a result: see Trajectory::fault.
     /// @throws as set_values and Simulation
     [[nodiscard]] Trajectory run(std::span<const std::string> settings) const;
 

@@ -1,9 +1,9 @@
 #pragma once
-/// Which of the choices on the front of error and time is recommended for an accuracy, and whether a choice that is exact over a short time
-/// is also right over one that slip and efficiency are read of: bursts are rare.
+/// Recommendation for an accuracy among the choices on the front of error and time, and confirmation that a choice that is exact over a
+/// short time is also right over a time long enough for slip and efficiency: bursts are rare.
 ///
 /// Every choice to confirm runs from the scene's start over the same time. Its mean slip and its losses are compared with those of a
-/// reference, its energy balance with itself (EnergyLedger), its step with what its method is stable for at both ends of the reference
+/// reference, its energy balance with itself (EnergyLedger), its step with the method's stable step at both ends of the reference
 /// (predicted_step_limit()).
 
 #include <cstddef>
@@ -62,7 +62,7 @@ public:
     /// Up to which step the method is stable at both ends of the reference [s]; infinite: linear stability sets no limit. Settings as
     /// ErrorMeasure takes them.
     [[nodiscard]] double stable_step(std::span<const std::string> settings);
-    /// Whether the step is longer. Automatic steps and steps by error see to it by themselves.
+    /// Whether the step is longer than that; false for automatic steps and steps by error.
     [[nodiscard]] bool beyond_stability(std::span<const std::string> settings);
     [[nodiscard]] Confirmed check(std::span<const std::string> settings);
     /// The run alone, whatever its step.
