@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Exit status and what a command printed on both streams.
+/// Exit status and output of a command on both streams.
 std::pair<int, std::string> output_of(const std::string& command) {
     std::string text;
     FILE* pipe = popen((command + " 2>&1").c_str(), "r");

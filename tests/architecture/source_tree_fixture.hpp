@@ -1,5 +1,5 @@
 #pragma once
-/// The source tree as the architecture tests see it.
+/// The source tree for the architecture tests.
 
 #include <set>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-/// Pages of the documents as tests see them: Markdown with fenced blocks, and comments above blocks that say what is done with them.
+/// Pages of the documents for tests: Markdown with fenced blocks, and comments above blocks that state how a block is used.
 
 #include <filesystem>
 #include <string>
@@ -43,7 +43,7 @@ struct Page {
     [[nodiscard]] std::vector<std::string> anchors() const;
 };
 
-/// All of a file; empty if it cannot be read.
+/// Text of a file; empty if it cannot be read.
 [[nodiscard]] std::string text_of(const std::filesystem::path& path);
 
 /// Every page that documents the project: *.md at the top level, in docs, model and tools; ascending by path.

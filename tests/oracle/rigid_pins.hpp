@@ -85,7 +85,7 @@ struct PinForces {
     void turn_lines();  ///< passes the moments to the pins
 };
 
-/// A tip that touches, with what follows from its place and motion alone.
+/// A tip that touches, with quantities of its place and motion alone.
 struct PinTip {
     PinHalf half;
     TipContact contact;

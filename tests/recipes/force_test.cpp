@@ -118,7 +118,7 @@ TEST_P(ForceRecipe, EnergyAndLossAreObserved) {
     EXPECT_GT(expected.powers.losses[inner], 1.001 * without.powers.losses[inner]);
 }
 
-/// The ledger of a run adds up what is observed: the power of all forces is the change of energy and the loss.
+/// The ledger of a run adds up the observed rates: the power of all forces is the change of energy and the loss.
 TEST_P(ForceRecipe, PowerIsChangeOfEnergyAndLoss) {
     model::Parameters p = machine();
     p.detail.pulleys = model::PulleyDetail::absent;

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs a program as a user does: as a child process, in a folder of its own. It is cvtflow-lab where that has the command, else cvtflow.
+/// Runs a program like a user: as a child process, in a separate folder. It is cvtflow-lab where that has the command, else cvtflow.
 
 #include <gtest/gtest.h>
 #include <sys/types.h>
@@ -89,7 +89,7 @@ private:
 /// --set and each of these settings.
 [[nodiscard]] Words set_all(const Words& settings);
 
-/// Options that settle a scene just enough for commands that want a settled state.
+/// Options that settle a scene just enough for commands that require a settled state.
 inline const std::vector<std::string> brief_settling{
     "--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms", "--set", "run.step=50 ns"};
 
@@ -107,7 +107,7 @@ protected:
     Outcome run_briefly(const std::vector<std::string>& more = {}) const;
     /// Output of run() on a terminal of that width, stdout included.
     [[nodiscard]] std::string draw(const std::vector<std::string>& arguments, int columns) const;
-    /// Files of a fixture: the first test of a process that needs them makes them in its folder, the others get copies.
+    /// Makes files of a fixture: the first test of a process that needs them makes them in its folder, the others get copies.
     void made_once(const std::string& files, const std::function<void()>& make) const;
     void write(const std::string& name, const std::string& text) const;
     [[nodiscard]] std::string read(const std::string& name) const;

@@ -308,7 +308,7 @@ std::unique_ptr<StepMap> backward_euler_leapfrog_step(const LinearChain& chain) 
 
 namespace {
 
-/// The extents that such a method sees when it begins.
+/// Extents of the spectrum for such a method at its start.
 class Extents {
 public:
     explicit Extents(const LinearChain& chain) : bound_(chain.variator()) {

@@ -17,7 +17,7 @@ using test::Case;
 using test::mixed_cycles;
 using test::World;
 
-/// Runs in a world of its own and compares with serial.
+/// Runs in a separate world and compares with serial.
 void expect_right(Executor& executor, long cycles = 200) {
     World world(mixed_cycles());
     world.run(executor, cycles);

@@ -194,7 +194,7 @@ const std::vector<Row> rows{
      }},
 };
 
-/// Scenes and methods on the command line, as the commands' own help has it.
+/// Scenes and methods on the command line, as in the help of the commands.
 bool takes_a_method(const std::string& help) {
     const auto mentions = [&](const char* word) { return help.find(word) != std::string::npos; };
     return mentions("--method") || mentions("METHOD") || mentions("run.method") || mentions("--set ") || mentions("SWEEP") ||

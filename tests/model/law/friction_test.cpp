@@ -68,7 +68,7 @@ TEST(TipFactors, LanesGiveWhatEachGivesAloneAndTheSlopeOfTheProfile) {
     }
 }
 
-/// v + b m(v) = w, to what two steps of Newton's method leave of friction.
+/// v + b m(v) = w, to the error of two steps of Newton's method.
 TEST(TipFactors, BrakedSpeedSolvesItsEquationOnFallingFriction) {
     const TipLaw law = law_of(SpeedProfile::through(std::vector{0.01, 0.5}, std::vector{1.0, 0.6}));
     for (const double w : {0.05, 0.1, 0.2, 0.4, 0.9}) {
@@ -100,7 +100,7 @@ TEST(TipLaw, ViscosityFollowsItsTwoPointsAndFallsWithTheTemperature) {
     EXPECT_NEAR(oil_viscosity(oil, 2.0 / (1.0 / 135.0 + 1.0 / 195.0) - 95.0 + 273.15), middle, 1e-9 * middle);
 }
 
-/// Hamrock and Dowson's central film of the baseline: 28 nm at 0.1 m/s and 40 °C with steel and 0.03 Pa·s, by hand.
+/// Hamrock and Dowson's central film of the baseline: 28 nm at 0.1 m/s and 40 °C with steel and 0.03 Pa·s.
 TEST(TipLaw, FilmIsThatOfHamrockAndDowson) {
     const Parameters p;
     const double e = 2.1e11 / 0.91, r = std::pow(0.75 * 2.5e10 / (0.5 * e), 2), force = 2.5e10 * std::pow(9e-6, 1.5);
@@ -170,7 +170,7 @@ FrictionCurve smoothed(double half_width) {
     return FrictionCurve({0.09, v0}, detail);
 }
 double slip_factor(const FrictionCurve& curve, double speed) { return model::slip_factor<1>(curve, Lanes<1>(speed))[0]; }
-/// Share of the full friction, with the sign of the speed: what a force uses.
+/// Share of the full friction, with the sign of the speed.
 double share(const FrictionCurve& curve, double speed) { return slip_factor(curve, std::abs(speed)) * speed; }
 
 TEST(Friction, PiecewiseIsLinearUpToTheSaturationSpeedAndConstantBeyond) {

@@ -135,7 +135,7 @@ model::Parameters tiny_with(model::PinDetail pins, int order) {
     return parameters;
 }
 
-/// Pins on a circle of 30 mm, and something of its own in every other coordinate and velocity.
+/// Pins on a circle of 30 mm, and different numbers in all other coordinates and velocities.
 engine::SavedState ring(const model::Parameters& parameters) {
     const ChainLayout at = model::layout_of(parameters);
     engine::SavedState saved;

@@ -164,7 +164,7 @@ TEST(RigidLeapfrog, ConvergesToTheSolutionOfItsForces) {
     }
 }
 
-/// Machines that differ in what the step has to do.
+/// Machines with different work for the step.
 std::vector<oracle::Case> stepped_machines() {
     const Parameters base = oracle::with_rigid_pins({});
     std::vector<oracle::Case> cases{{"baseline", base},
@@ -428,7 +428,7 @@ TEST(RigidRuns, FinishesWhatScenesHaveWithAClosedBalance) {
     }
 }
 
-/// The ledger of the state is what the energy watch counts: both add up what each step has done.
+/// The ledger of the state equals the sums of the energy watch: both add up each step.
 TEST(RigidRuns, WritesItsLossesIntoTheLedger) {
     Scene scene = rigid_tiny();
     scene.parameters.ledger = true;
