@@ -42,7 +42,7 @@ struct Observation {
     std::array<double, 2> radius{};           ///< mean running radius of the links that touch [m]
     std::array<double, 2> sheave_position{};  ///< w of the movable sheaves against their shafts [m]
     std::array<double, 4> axial_force{};      ///< sum over all tips on sheaves 1-, 1+, 2-, 2+ [N]
-    double limit_use = 0.0;                   ///< largest clamping force over wear.clamping_limit at its slip speed; 0: no limit
+    double limit_use = 0.0;                   ///< largest ratio of a clamping force to wear.clamping_limit at its slip speed; 0: no limit
     bool control_limited = false;             ///< whether a controller demands more than its authority
     ControlInstant control{};                 ///< first controller
     double ratio = 0.0;                       ///< ω_1/ω_2 [1]
@@ -51,7 +51,7 @@ struct Observation {
     double slip = 0.0;           ///< 1 - (Ω_1/ω_1)(ω_2/Ω_2), Ω: pin_speed; creep or slip of the contacts on both pulleys together [1]
     double friction_slip = 0.0;  ///< 1 - (Ω°_1/ω_1)(ω_2/Ω°_2), Ω°: free_speed; zero without torque [1]
     Creep creep;
-    double loss_slip = 0.0;           ///< creep.power over the power of the shafts that supply any; 0 if none does
+    double loss_slip = 0.0;           ///< ratio of creep.power to the power of the shafts that supply any; 0 if none does
     double chain_speed = 0.0;         ///< mean of |velocity| of the rear halves [m/s]
     double tight = 0.0, slack = 0.0;  ///< mean tension of the strand that shaft 1 pulls, and of the other (a ring: of all) [N]
     int touching = 0;                 ///< tips that are not free

@@ -97,7 +97,7 @@ struct Detail {
     int order = 3;                           ///< p, Legendre order of the axis of a pin half, 0…3
     PlateDetail plates = PlateDetail::each;  ///< every plate, or a lumped pack with the same moments
     int joint_points = 3;                    ///< Gauss-Legendre points along the rolling line of a joint, 1…16
-    double mass_scaling = 1.0;               ///< inertia of motions that tilt or deform a pin, over the physical one, ≥ 1
+    double mass_scaling = 1.0;               ///< factor on the inertia of motions that tilt or deform a pin, ≥ 1
     PulleyDetail pulleys = PulleyDetail::elastic;
     FrictionLaw friction = FrictionLaw::piecewise;
     double smoothing = 0.1;   ///< half-width d of the smoothed law, in units of v0 [1]
@@ -231,7 +231,7 @@ struct Imperfection {
     double misalignment = 0.0;              ///< offset of pulley 2 along its axis, towards +z [m]
     Sheave sheave = Sheave::driving_fixed;  ///< sheave with run-out, another attachment, or unbalance
     double runout = 0.0;                    ///< radial eccentricity of its flank about the shaft's axis [m]
-    double attachment = 1.0;                ///< tilt stiffness of its attachment over that of the others
+    double attachment = 1.0;                ///< ratio of the tilt stiffness of its attachment to that of the others
     double unbalance = 0.0;                 ///< mass of the sheave times the distance of its centre of mass from its axis [kg·m]
     double pin_length_spread = 0.0;         ///< standard deviation of the lengths of pins [m]
     std::uint64_t pin_length_seed = 1;      ///< seed of the lengths
