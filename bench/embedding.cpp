@@ -62,7 +62,7 @@ private:
 using Clock = std::chrono::steady_clock;
 [[nodiscard]] double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
 
-/// Processor time that all processes but this one have taken since the start of the machine [s]; zero where the system does not say.
+/// Processor time of all processes but this one since the start of the machine [s]; zero where the system does not report it.
 double time_of_others() {
     std::ifstream file("/proc/stat");
     std::string name;
@@ -94,7 +94,7 @@ struct Row {
     }
 };
 
-/// Fills in `times` by what `one` returns, `rounds` times over, and `others`.
+/// Fills `times` with the results of `one`, `rounds` times over, and `others`.
 template <class One>
 Row measured(const char* quantity, int busy, const std::string& way, int rounds, const One& one) {
     Row row{quantity, busy, way};
@@ -121,7 +121,7 @@ Row jitter(const cvtflow::Scene& scene, const cvtflow::State& start, const Way& 
     return row;
 }
 
-/// From a scene to the end of a new simulation's first step.
+/// Time from a scene to the end of a new simulation's first step.
 Row first_step(const cvtflow::Scene& scene, const Way& way, int rounds) {
     return measured("first_step", 0, way.name, rounds, [&] {
         const Clock::time_point begun = Clock::now();
@@ -131,7 +131,7 @@ Row first_step(const cvtflow::Scene& scene, const Way& way, int rounds) {
     });
 }
 
-/// From cancel() to the return of the call that it ends.
+/// Time from cancel() to the return of the call that it ends.
 Row cancellation(const cvtflow::Scene& scene, const cvtflow::State& start, const Way& way, int rounds) {
     cvtflow::Simulation simulation(scene, way.threads);
     return measured("cancellation", 0, way.name, rounds, [&] {

@@ -49,10 +49,10 @@ struct Settings {
 /// One turn of a contender [µs per cycle].
 struct Turn {
     double typical;  ///< median over its cycles: cost of an undisturbed cycle
-    double mean;     ///< of the turn's time: interference included
+    double mean;     ///< mean of the turn's time: interference included
 };
 
-/// Arithmetic that depends on itself, so that its time is its length; each task has a line of its own.
+/// Arithmetic that depends on itself, so that its time is its length; each task has a separate cache line.
 struct alignas(128) Work {
     double value = 1.0;
     long length = 0;
@@ -108,7 +108,7 @@ long length_of(double target) {
     return static_cast<long>(target / least * static_cast<double>(probe.length));
 }
 
-/// A counter that others read, on lines of its own.
+/// A counter that others read, on separate cache lines.
 struct alignas(128) Counter {
     std::atomic<long> value{0};
 };

@@ -34,7 +34,7 @@ inline std::string sample_seed() {
     return given != nullptr ? given : "same";
 }
 
-/// `count` of the items, in their order, drawn by the seed and the name of the test that draws.
+/// Draws `count` of the items, in their order, by the seed and the name of the test.
 template <class Item>
 std::vector<Item> sample(const std::vector<Item>& items, std::size_t count, const std::string& test) {
     if (sample_seed() == "all") return items;

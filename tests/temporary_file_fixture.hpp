@@ -8,8 +8,8 @@
 
 namespace cvtflow::tests {
 
-/// Its name; the file itself is made by others and removed with this object. A file that a killed process of the same number left is
-/// removed first.
+/// Name of a file that others write and that is removed with this object. A file that a killed process of the same number left is removed
+/// first.
 class TemporaryFile {
 public:
     explicit TemporaryFile(const std::string& name)

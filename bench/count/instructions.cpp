@@ -46,9 +46,9 @@ long flops(const std::uint8_t* code) {
     return 0;
 }
 
-Counted tally;  // of the child process
+Counted tally;  // counts of the child process
 
-/// After every instruction, while the processor's trap flag is set. The next instruction is at the saved program counter.
+/// Counts an instruction, after each one while the trap flag is set. The next instruction is at the saved program counter.
 void after_instruction(int, siginfo_t*, void* context) {
     ++tally.instructions;
     tally.flops += flops(reinterpret_cast<const std::uint8_t*>(static_cast<ucontext_t*>(context)->uc_mcontext.gregs[REG_RIP]));

@@ -1,5 +1,5 @@
 #pragma once
-/// Count of executed instructions of a piece of code: exact, whatever else the machine is doing.
+/// Exact count of executed instructions of a piece of code, independent of other load on the machine.
 
 #include <functional>
 #include <optional>
@@ -14,10 +14,10 @@ struct Counted {
 };
 
 /// Runs the body in a child process with a trap after every instruction (1 to 20 µs each), after one run at full speed.
-/// Nothing where that cannot be done: not Linux on x86-64, or traps end the child.
+/// Empty where this is impossible: not Linux on x86-64, or traps end the child.
 /// @throws std::runtime_error if the body ends it by another signal
 [[nodiscard]] std::optional<Counted> count(const std::function<void()>& body);
-/// Each of the bodies so, one after the other in the same child process. Empty where that cannot be done.
+/// Counts the bodies one after the other in the same child process. Empty where this is impossible.
 [[nodiscard]] std::vector<Counted> count_each(std::span<const std::function<void()>> bodies);
 
 }  // namespace cvtflow::bench

@@ -7,8 +7,8 @@ namespace cvtflow::bench {
 
 // OpenMP with one parallel region for the whole run.
 
-/// The runtime keeps its threads from run to run. Where OMP_WAIT_POLICY=active is set they wait for the next one on their processors,
-/// without end, and whatever runs in between has these processors not to itself.
+/// The runtime keeps its threads from run to run. With OMP_WAIT_POLICY=active they wait for the next run on their processors, without end,
+/// and other work in between has to share these processors.
 class OmpExecutor : public engine::RunningExecutor {
 public:
     void release_threads() noexcept override;
@@ -30,8 +30,8 @@ private:
     void execute(engine::Run& run, int first) override;
 };
 
-// A team of std::jthreads that meets at a barrier after every level: the plainest of the parallel executors, and the one that
-// ThreadSanitizer sees through.
+// A team of std::jthreads that meets at a barrier after every level: the simplest of the parallel executors, and the one that
+// ThreadSanitizer can check.
 
 /// The team exists during run(); the calling thread is its first member and the only one that calls the controller. It runs without threads
 /// that the system refuses to start.
@@ -56,8 +56,7 @@ private:
     void execute(engine::Run& run, int first) override;
 };
 
-// A oneTBB flow graph that is started and waited for in every cycle: the form in which others have used it for right-hand sides
-// (OpenModelica's --parmodauto).
+// A oneTBB flow graph that is started and waited for in every cycle: the form that OpenModelica's --parmodauto uses for right-hand sides.
 
 /// The graph is built once per run. Its messages are small tasks from oneTBB's pool, which grows during the first cycles.
 class FlowPerCycle final : public engine::RunningExecutor {
@@ -71,7 +70,7 @@ private:
 
 // oneTBB as a parallel loop: forked and joined at every level.
 
-/// One parallel_for with static partitioner per level, in an own arena.
+/// One parallel_for with static partitioner per level, in a separate arena.
 class TbbLoop final : public engine::RunningExecutor {
 public:
     explicit TbbLoop(const engine::ExecutorOptions& options) : engine::RunningExecutor(options) {}
@@ -81,10 +80,10 @@ private:
     void execute(engine::Run& run, int first) override;
 };
 
-// The standard library's parallel algorithms: the plainest thing that a C++ programmer can write.
+// The standard library's parallel algorithms: the simplest parallel code in C++.
 
-/// One std::for_each(std::execution::par) per level. libstdc++ runs it as a parallel_for of oneTBB, whose own choice of chunks it takes;
-/// for that it has to stay in our arena and below our context, about which the standard's algorithms know nothing.
+/// One std::for_each(std::execution::par) per level. libstdc++ runs it as a parallel_for of oneTBB with the library's choice of chunks; it
+/// has to stay in the executor's arena and below its context, neither of which the standard's algorithms take as an argument.
 class StdPar final : public engine::RunningExecutor {
 public:
     explicit StdPar(const engine::ExecutorOptions& options) : engine::RunningExecutor(options) {}
@@ -109,11 +108,11 @@ private:
     void execute(engine::Run& run, int first) override;
 };
 
-// OpenMP's tasks with `depend`: its runtime finds out from addresses what our graph already knows.
+// OpenMP's tasks with `depend`: its runtime derives from addresses the dependences that the graph already has.
 
 /// One parallel region for the whole run. Its master creates the tasks of a cycle, each with a dependence on those before it, takes part in
 /// them, and asks the controller when all have finished. The threads belong to the OpenMP runtime and outlive the run.
-/// The runtime allocates memory for every task of every cycle: what OpenMP calls a task graph is built anew each time.
+/// The runtime allocates memory for every task of every cycle: OpenMP builds its task graph anew each time.
 class OmpTasks final : public OmpExecutor {
 public:
     explicit OmpTasks(const engine::ExecutorOptions& options) : OmpExecutor(options) {}
@@ -141,8 +140,8 @@ private:
 
 /// One tf::Taskflow for the run, built when it begins: a node per task and, for every cycle, a node that opens it and one that leaves it. A
 /// condition task asks the controller and names the cycle to open, so that cycles follow each other inside one run of the graph. The
-/// executor's workers live as long as the run; the calling thread sleeps meanwhile, since Taskflow lets none but its workers take part.
-/// Where the system has no thread for a worker the calling thread runs everything.
+/// executor's workers exist as long as the run; the calling thread sleeps, since only workers take part. If the system has no thread for a
+/// worker, the calling thread runs everything.
 class TaskflowGraph final : public engine::RunningExecutor {
 public:
     explicit TaskflowGraph(const engine::ExecutorOptions& options) : engine::RunningExecutor(options) {}

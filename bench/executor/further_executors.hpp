@@ -5,16 +5,16 @@
 
 namespace cvtflow::bench {
 
-/// Adds them to the engine's catalogue, once per process, before anything else asks it. Some may be absent from this build.
+/// Adds them to the engine's catalogue, once per process, before any use of the catalogue. Some may be absent from this build.
 void add_further_executors();
 
-/// "201511" (the standard's date, as the compiler knows it), or "none".
+/// "201511" (the date of the standard that the compiler supports), or "none".
 [[nodiscard]] std::string openmp_version();
-/// "1.74.0" of Boost, whose Asio it is; or "none".
+/// "1.74.0" (the version of Boost, which contains Asio), or "none".
 [[nodiscard]] std::string asio_version();
 /// "4.1.0", or "none".
 [[nodiscard]] std::string taskflow_version();
-/// For people: "oneTBB 2021.8, interface 12080" and these.
+/// Text for users: "oneTBB 2021.8, interface 12080" and these.
 [[nodiscard]] std::string runtime_versions();
 
 /// Number of members of an OpenMP team that may be requested: its runtime keeps a team for every thread that ever began one.

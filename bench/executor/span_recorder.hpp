@@ -1,6 +1,5 @@
 #pragma once
-/// Reads the time stamps of an executor: tasks and the controller are stamped; waiting, arriving and leaving are what lies between and
-/// follow from them.
+/// Reads the time stamps of an executor: tasks and the controller are stamped; waiting, arriving and leaving are the intervals in between.
 ///
 ///     run()   |enter|task 3|wait|controller|task 3|task 4|  wait  |task 3|exit|
 
@@ -8,7 +7,7 @@
 
 namespace cvtflow::bench {
 
-/// Turns ticks into nanoseconds: the rate is what passed on both clocks since this was made, so that nothing waits for a calibration.
+/// Converts ticks to nanoseconds: the rate is the progress of both clocks since construction, so that no calibration is needed.
 class TickScale {
 public:
     /// Rate up to now [ns per tick]. Good to 1e-4 once a millisecond has passed.
@@ -25,7 +24,7 @@ private:
 
 struct Span {
     int what;            ///< task number or SpanCode
-    std::int64_t begin;  ///< since the recorder was made [ns]
+    std::int64_t begin;  ///< time since the recorder was constructed [ns]
     std::int64_t end;    ///< [ns]
 };
 

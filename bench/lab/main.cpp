@@ -17,7 +17,7 @@ constexpr const char* accuracy = "Commands about accuracy";
 constexpr const char* machine = "Commands about machines";
 constexpr const char* pictures = "Commands about pictures";
 
-/// In the order of the help text.
+/// Commands in the order of the help text.
 std::span<const tools::Command> commands() noexcept {
     using tools::Command;
     static constexpr std::array rows{

@@ -18,7 +18,7 @@ namespace cvtflow::bench {
 
 namespace {
 
-constexpr double max_real = 600.0, max_imaginary = 6.0;  ///< what a free step may ask of a fit
+constexpr double max_real = 600.0, max_imaginary = 6.0;  ///< largest h times spectrum that a free step requests of a fit
 constexpr int review_steps = 50;
 constexpr double far_below = 0.7;
 

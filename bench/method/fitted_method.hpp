@@ -14,11 +14,11 @@ namespace cvtflow::bench {
 
 /// The polynomial of at most max_stages stages that is stable for this extent (step times spectrum); empty if there is none.
 [[nodiscard]] std::optional<engine::StagePlan> fitted_plan(double real, double imaginary);
-/// By which a first fit asks for more than the step needs, to last [1].
+/// Extent of a first fit over the extent that the step needs.
 inline constexpr double fit_headroom = 1.1;
 
 /// Fits its polynomial to the spectrum (engine::fit), again when the spectrum or the step outgrows it or stays far below it.
-/// A refit takes milliseconds and memory of its own: the only thing in the step loop that does.
+/// A refit takes milliseconds and allocates memory: the only thing in the step loop that does.
 class FittedBySpectrum final : public SpectralMethod {
 public:
     static constexpr int max_stages = 64;

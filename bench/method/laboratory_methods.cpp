@@ -91,7 +91,7 @@ using Analyses = std::map<std::string, MethodAnalysis, std::less<>>;
 
 /// Elastic oscillations are damped by this share of the critical damping at least.
 constexpr double min_damping = 1e-3;
-/// Numerical damping of an oscillation in a step, over h ω, that is taken: a hundredth of what the chain's own damping of a hundredth does.
+/// Permitted numerical damping of an oscillation in a step, over h ω: a hundredth of the effect of a damping ratio of 0.01.
 constexpr double max_damping = 1e-4;
 
 /// |h λ| along the ray of that damping ratio.

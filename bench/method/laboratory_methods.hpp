@@ -17,9 +17,9 @@ void add_laboratory_methods();
 
 /// Mathematical definition of a program, with which its code has to agree.
 struct MethodAnalysis {
-    /// Stability on the test equation that it is made for; empty: it chooses among tables of stages.
+    /// Stability on the test equation of the program; empty: the program chooses among tables of stages.
     std::function<ProgramStability()> stability = {};
-    /// Its step as a linear map of small disturbances.
+    /// Step of the program as a linear map of small disturbances.
     std::function<std::unique_ptr<StepMap>(const LinearChain& chain)> linear = {};
 };
 /// Analysis of a program of either catalogue. @throws std::out_of_range for one without analysis

@@ -1,5 +1,5 @@
 #pragma once
-/// The methods of the laboratory are written in the words of the product, whose methods most of them were.
+/// Names of the product that the laboratory's methods use.
 
 namespace cvtflow::engine {}
 namespace cvtflow::model {}

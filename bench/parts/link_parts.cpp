@@ -50,7 +50,7 @@ void others(int part, const Pass& pass, int own, int count, const Pass::Columns&
     forces.write(own, count);
 }
 
-/// Velocities stand in for forces.
+/// Velocities represent forces.
 void solve(const Pass& pass, int own, int count, const Pass::Columns& columns) noexcept {
     std::array<V, size> f;
     std::copy_n(columns.v(), size, f.begin());

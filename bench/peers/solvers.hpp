@@ -20,7 +20,7 @@ struct SparsePattern {
 
 class Problem {
 public:
-    /// From `start` over `duration`, in which no tip changes its phase, with outputs so far apart. [s]
+    /// Problem from `start` over `duration`, in which no tip changes its phase, with an output every `interval`. [s]
     Problem(const tasks::Scene& scene, tasks::FrozenStart start, double duration, double interval);
 
     [[nodiscard]] int size() const noexcept { return variator_.layout().size(); }

@@ -79,7 +79,7 @@ struct Options {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Means of outputs, and what was lost and worked meanwhile.
+/// Means of outputs, and losses and work meanwhile.
 struct Means {
     double tight = 0.0, slack = 0.0, slip = 0.0, ratio = 0.0, thrust_ratio = 0.0, largest_normal = 0.0;
     std::array<double, 2> radius{};

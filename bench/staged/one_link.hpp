@@ -1,5 +1,5 @@
 #pragma once
-/// Forces of one link, one joint and the tips of one link, and the accelerations of a link, with lanes over what is alike inside of it:
+/// Forces of one link, one joint and the tips of one link, and the accelerations of a link, with lanes over equal parts inside of it:
 /// plates, points of a joint, tips, bending modes. Formulas are those of LanePass, whose lanes are links (model/kernels/lane_pass.hpp),
 /// with sums in the same trees, so results are bitwise equal.
 
@@ -42,12 +42,12 @@ struct FourTips {
     using Tips = TipLanes;
     static constexpr int width = tips_per_link;
 
-    /// (-, +, -, +): what differs between the two sides [any unit].
+    /// (-, +, -, +): numbers that differ between the two sides.
     [[nodiscard]] static Tips by_side(double minus, double plus) noexcept {
         const Lanes<2> sides = join<1>(minus, plus);
         return join<2>(sides, sides);
     }
-    /// (rear, rear, front, front): what differs between the two ends of the link [any unit].
+    /// (rear, rear, front, front): numbers that differ between the two ends of the link.
     [[nodiscard]] static Tips by_end(double rear, double front) noexcept { return join<2>(Lanes<2>(rear), Lanes<2>(front)); }
 };
 
@@ -315,8 +315,7 @@ inline void tip_part(const ChainModel& model, const LinkFrame& frame, const doub
                            share.force, load.load, books);
 }
 
-/// Adds joints and tips (none: nullptr) to what link_part left in f. The order of the sums is part of the promise of equal bits. moment
-/// [N·m]
+/// Adds joints and tips (none: nullptr) to the results of link_part in f. The order of the sums keeps the bits equal. moment [N·m]
 template <int P>
 inline void assemble(const LinkFrame& frame, double moment, const JointForce<P>& rear, const JointForce<P>& front, const TipShare<P>* tips,
                      double* f) noexcept {

@@ -34,7 +34,7 @@ namespace {
 
 using engine::Access;
 
-/// Data that stages keep for later ones in a workspace, beside its own fields.
+/// Data that stages keep for later ones, beside the fields of a workspace.
 class StagedMemory final : public AssemblyMemory {
 public:
     explicit StagedMemory(Workspace& workspace)

@@ -9,7 +9,7 @@
 namespace cvtflow::bench {
 
 // The chain evaluated stage by stage, as the published parallelisation does: contact forces, chain forces, boundary pins, forward pass,
-// reverse pass. Gives bit for bit what ChainModel::slopes gives, since both are made of the same formulas (bench/staged/one_link.hpp).
+// reverse pass. Results are those of ChainModel::slopes bit for bit, since both use the same formulas (bench/staged/one_link.hpp).
 
 using model::ChainModel;
 
@@ -27,7 +27,7 @@ struct StagedChain {
     const double* states;  ///< stage state of the whole chain [unknowns]
     const model::SheaveMotion* sheaves;
     const model::Phase* phases;
-    double* slope;           ///< of the whole chain [unknowns, per second]
+    double* slope;           ///< slope of the whole chain [unknowns, per second]
     model::LinkLoad* loads;  ///< [links]
     StagedBuffers* buffers;
     model::Account* accounts;  ///< [links * account_parts], only for observing evaluations, else nullptr
@@ -63,13 +63,13 @@ struct CompiledStages {
     model::Isa isa;
     StagedFunctions (*functions)(int order, bool observe) noexcept;
 };
-/// For the instruction sets of the model's kernels. The build writes this list (compiled_staged.cpp.in).
+/// Stages for the instruction sets of the model's kernels. The build writes this list (compiled_staged.cpp.in).
 [[nodiscard]] std::vector<CompiledStages> compiled_stages();
 
-// The published schedule as an assembly of the step: every stage its own tasks, contact forces in uniform batches of touching links beside
+// The published schedule as an assembly of the step: tasks for every stage, contact forces in uniform batches of touching links beside
 // chain forces by segments, then the boundary pins, forward pass, reverse pass.
 
-/// Adds it to the product's, once per process, before any workspace is made. Until then run.assembly = "staged" is refused.
+/// Adds it to the product's assemblies, once per process, before any workspace is made. Until then run.assembly = "staged" is refused.
 void add_staged_assembly();
 
 }  // namespace cvtflow::bench

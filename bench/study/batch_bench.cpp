@@ -36,7 +36,7 @@ private:
     double cpu_ = cpu_seconds();
 };
 
-/// An empty folder that goes with this object, with all that was written there.
+/// An empty folder that is removed with this object, with all its files.
 class OwnFolder {
 public:
     /// @throws SimulationError

@@ -1,5 +1,5 @@
 #pragma once
-/// Any method by its name, from any state: what methods are compared with.
+/// Runs of any method by its name, from any state, to compare methods.
 
 #include <memory>
 #include <span>
@@ -23,7 +23,7 @@ public:
     MethodRun(const MethodRun&) = delete;
     MethodRun& operator=(const MethodRun&) = delete;
 
-    /// From `start` over `duration`, which should be a multiple of the output interval; that, of the step.
+    /// Runs from `start` over `duration`: a multiple of the output interval, itself a multiple of the step.
     /// @param step 0: automatic (AutoStep) [s]
     [[nodiscard]] tasks::Fault run(const tasks::FrozenStart& start, double duration, double step, double output_interval,
                                    tasks::RunObserver& observer, const engine::Cancellation& cancel);
@@ -40,10 +40,10 @@ private:
     tasks::Integrator integrator_;
     tasks::Counters counters_;
     double step_ = 0.0;                        ///< [s]
-    std::unique_ptr<tasks::AutoStep> choice_;  ///< once an automatic step has been asked for
+    std::unique_ptr<tasks::AutoStep> choice_;  ///< choice of the automatic step, once one was requested
 };
 
-/// As local_errors(), for any method. A table of stages takes its step with phases held. A program takes it as it does in a run, and so
+/// Local errors of any method. A table of stages takes its step with phases held. A program takes it as it does in a run, and so
 /// does the reference then; across a transition no method has its order, so a step within which one happens is left out: its errors are
 /// NaN, as are those of a step that failed. steps [s]
 [[nodiscard]] std::vector<LocalError> local_errors(const model::Parameters& parameters, const std::string& method,

@@ -13,17 +13,16 @@ namespace cvtflow::bench {
 inline constexpr double enough_pin_periods = 16.0;
 
 struct WatchResult {
-    double residual = 0.0;  ///< of the energy balance over the losses [1]
-    double balance_error_ratio =
-        0.0;            ///< EnergyLedger::balance_error_ratio(), of what came before the run as well; above 1 the results are wrong [1]
-    double loss = 0.0;  ///< dissipated up to the last output [J]
-    double pin_period = 0.0;  ///< at the end; 0: nothing passes a pulley [s]
-    double duration = 0.0;    ///< between the first and the last output [s]
-    tasks::SpanMeans means;   ///< over all outputs
+    double residual = 0.0;             ///< residual of the energy balance over the losses
+    double balance_error_ratio = 0.0;  ///< EnergyLedger::balance_error_ratio(), the time before the run included; above 1: wrong results
+    double loss = 0.0;                 ///< dissipated up to the last output [J]
+    double pin_period = 0.0;           ///< pin period at the end; 0: nothing passes a pulley [s]
+    double duration = 0.0;             ///< time between the first and the last output [s]
+    tasks::SpanMeans means;            ///< means over all outputs
 
     [[nodiscard]] bool reliable() const noexcept { return balance_error_ratio <= 1.0; }
     [[nodiscard]] double pin_periods() const noexcept { return pin_period > 0.0 ? duration / pin_period : 0.0; }
-    /// Whether slip and efficiency are means over enough of them.
+    /// Whether slip and efficiency are means over enough pin periods.
     [[nodiscard]] bool long_enough() const noexcept { return pin_period == 0.0 || pin_periods() >= enough_pin_periods; }
     /// "finished", "unreliable" or the fault's name.
     [[nodiscard]] std::string status(const tasks::Fault& fault) const {
@@ -31,7 +30,7 @@ struct WatchResult {
     }
 };
 
-/// Gathers it at outputs.
+/// Gathers a WatchResult at outputs.
 class RunWatch {
 public:
     /// An output, the first one included.

@@ -26,7 +26,7 @@ std::vector<std::complex<double>> spectrum(const model::Variator& variator, doub
 
 namespace {
 
-constexpr double nudge = 1e-4;  ///< of saturation speeds, to first order: eigenvalues keep their order but for the closest
+constexpr double nudge = 1e-4;  ///< relative change of saturation speeds, to first order: eigenvalues keep their order but for the closest
 
 bench::Eigenvalues edge(const model::Parameters& parameters, const FrozenStart& start, double border) {
     const model::Variator variator(parameters);

@@ -1,6 +1,6 @@
 #pragma once
-/// Eigenvalues of the equations of motion at a state: what a method has to cope with, and which contacts make which of them: by changing
-/// saturation speeds, kind by kind.
+/// Eigenvalues of the equations of motion at a state, which a method has to cope with; and their attribution to kinds of contact, by
+/// changes of saturation speeds.
 
 #include <array>
 #include <complex>
@@ -26,7 +26,7 @@ namespace cvtflow::bench {
 [[nodiscard]] std::vector<std::complex<double>> spectrum(const model::Variator& variator, double t, const std::vector<double>& state,
                                                          const std::vector<model::Phase>& phases);
 
-/// A kind of contact with friction of its own.
+/// A kind of contact with separate friction parameters.
 struct ContactKind {
     std::string_view name;
     model::Friction& (*friction)(model::Parameters&);
@@ -41,9 +41,9 @@ struct Extent {
     double decay = 0.0;        ///< max(-Re λ) [1/s]
     double oscillation = 0.0;  ///< max|Im λ| [1/s]
     int below_1e6 = 0;         ///< eigenvalues with Re λ < -1e6 1/s
-    int below_1e7 = 0;         ///< with Re λ < -1e7 1/s
-    int growing = 0;      ///< with Re λ > growth_rate_tolerance; slower growth cannot be distinguished from rounding in the differences
-    double growth = 0.0;  ///< max(Re λ), or 0 [1/s]
+    int below_1e7 = 0;         ///< eigenvalues with Re λ < -1e7 1/s
+    int growing = 0;           ///< eigenvalues with Re λ > growth_rate_tolerance; slower growth may be rounding of the differences
+    double growth = 0.0;       ///< max(Re λ), or 0 [1/s]
 };
 
 [[nodiscard]] Extent extent_of(const bench::Eigenvalues& values) noexcept;
@@ -55,11 +55,10 @@ struct SlowedSpectrum {
 };
 
 struct Attribution {
-    bench::Eigenvalues values;  ///< left of the border, most negative first
-    std::vector<std::array<double, contact_kind_count>>
-        shares;                                            ///< of each value: -d ln λ / d ln v0 by kind; friction alone: they sum to 1
-    std::vector<SlowedSpectrum> slowed;                    ///< none, each kind alone, then joints with plates, all three
-    [[nodiscard]] int main_kind(std::size_t value) const;  ///< the kind with the largest share
+    bench::Eigenvalues values;                                   ///< left of the border, most negative first
+    std::vector<std::array<double, contact_kind_count>> shares;  ///< -d ln λ / d ln v0 of each value by kind; friction alone: they sum to 1
+    std::vector<SlowedSpectrum> slowed;                          ///< none, each kind alone, then joints with plates, all three
+    [[nodiscard]] int main_kind(std::size_t value) const;        ///< the kind with the largest share
 };
 
 /// Nine times the work of extremal_eigenvalues(). @param border [1/s], < 0   @param progress called with the present activity; may be empty

@@ -46,7 +46,7 @@ namespace {
 
 struct Goal {
     const char* who;
-    double speedup;  ///< of whole over one_lane
+    double speedup;  ///< speed of the whole over one_lane
 };
 constexpr Goal goals[] = {{"one_lane", 1.0}, {"baseline", 2.0}, {"avx2", 3.5}, {"avx512", 5.0}};
 

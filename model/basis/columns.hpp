@@ -27,7 +27,7 @@ struct LineAllocator {
 template <class T>
 using LineVector = std::vector<T, LineAllocator<T>>;
 
-/// Columns of numbers, one row per component, rows on cache lines of their own. Column 1, where links begin, begins a cache line. A whole
+/// Columns of numbers, one row per component, each row on separate cache lines. Column 1, where links begin, begins a cache line. A whole
 /// line may be read from any column on. Rows are an odd number of lines apart, so that one column's numbers do not meet in few sets of a
 /// cache.
 template <class Number>

@@ -26,7 +26,7 @@ public:
     /// significand 2^exponent
     static constexpr EmulatedExtended of(std::uint64_t significand, int exponent) noexcept { return rounded(false, significand, exponent); }
 
-    /// Rounded to a double, denormal numbers too.
+    /// Value rounded to a double, denormal numbers too.
     explicit operator double() const noexcept {
         if (exponent_ >= not_a_number) return std::numeric_limits<double>::quiet_NaN();
         const int dropped = exponent_ < -1085 ? -1074 - exponent_ : 11;
@@ -83,11 +83,11 @@ public:
         return rounded(false, Wide(root) + (square - Wide(root) * root > root ? 1 : 0),
                        (x.exponent_ - shift) / 2);  // never halfway between two
     }
-    /// To the nearest whole number, ties to even.
+    /// Value rounded to the nearest whole number, ties to even.
     friend constexpr EmulatedExtended rint(EmulatedExtended x) noexcept {
         return x.exponent_ >= 0 ? x : rounded(x.negative_, x.without(-x.exponent_), 0);
     }
-    /// 0.5 ≤ result < 1 of x > 0
+    /// Fraction of x > 0: 0.5 ≤ result < 1.
     friend constexpr EmulatedExtended frexp(EmulatedExtended x, int* exponent) noexcept {
         *exponent = x.exponent_ + 64;
         return of(x.significand_, x.exponent_ < not_a_number ? -64 : not_a_number);
@@ -99,7 +99,7 @@ public:
 
 private:
     __extension__ typedef unsigned __int128 Wide;
-    static constexpr int not_a_number = 1 << 24;  ///< and above; exponents of the set-up are within 1 << 16
+    static constexpr int not_a_number = 1 << 24;  ///< exponents from here on; those of the set-up are within 1 << 16
 
     constexpr EmulatedExtended(bool negative, std::uint64_t significand, int exponent) noexcept
         : significand_(significand), exponent_(exponent), negative_(negative) {}
@@ -130,14 +130,14 @@ private:
         return whole + (rest > half || (rest == half && (whole & 1) != 0) ? 1 : 0);
     }
 
-    std::uint64_t significand_ = 0;  ///< its highest bit is set, but for zero
+    std::uint64_t significand_ = 0;  ///< highest bit set, except for zero
     int exponent_ = 0;
     bool negative_ = false;
 };
 
 using Extended = std::conditional_t<std::numeric_limits<long double>::digits == 64, long double, EmulatedExtended>;
 
-/// significand 2^exponent: how a constant is written, whose last bits a double does not have.
+/// significand 2^exponent: a constant whose last bits a double does not have.
 template <class Number = Extended>
 [[nodiscard]] constexpr Number extended(std::uint64_t significand, int exponent) noexcept {
     if constexpr (std::is_same_v<Number, EmulatedExtended>) {

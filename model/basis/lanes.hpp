@@ -2,8 +2,8 @@
 /// Vector lanes: links side by side (model/kernels/link_lanes.hpp). A lane count is a compile-time constant, and sums are taken in one
 /// fixed tree: results do not depend on the instruction set.
 ///
-/// Everything here and in the headers of kernels lies in unnamed namespaces: each translation unit has a copy of its own, compiled for its
-/// own instruction set, and no linker can put the AVX-512 copy of a function where the baseline's is meant.
+/// Everything here and in the headers of kernels lies in unnamed namespaces: each translation unit has a copy for its instruction set, so
+/// that no linker can replace the baseline's copy of a function by that of AVX-512.
 
 #include <algorithm>
 #include <array>
@@ -15,8 +15,8 @@
 namespace cvtflow::model {
 namespace {
 
-/// Numbers of one unit [any] by their width tag (model/basis/native_vectors.hpp): doubles, or floats for what only has to be good enough to
-/// converge with. Wider than the processor's vectors: two halves.
+/// Numbers side by side, by their width tag (model/basis/native_vectors.hpp): doubles, or floats where less accuracy suffices. Wider than
+/// the processor's vectors: two halves.
 template <int W>
 struct Lanes {
     using Half = Lanes<half_width<W>>;
@@ -42,7 +42,7 @@ struct Lanes {
     friend Lanes abs(const Lanes& a) noexcept { return {abs(a.low), abs(a.high)}; }
 };
 
-/// One vector of the processor [any unit].
+/// One vector of the processor.
 template <int W>
 requires(is_native<W>) struct Lanes<W> {
     using Vector = Native<W>;
@@ -54,7 +54,7 @@ requires(is_native<W>) struct Lanes<W> {
 
     [[nodiscard]] NumberOf<W> operator[](std::size_t lane) const noexcept { return lane_of<W>(v, lane); }
     void set(std::size_t lane, NumberOf<W> value) noexcept { set_lane<W>(v, lane, value); }
-    /// As numbers: a copy of bytes might change any object, and the compiler would read pointers and strides again after it.
+    /// Copies numbers: a copy of bytes might change any object, and the compiler would read pointers and strides again after it.
     void copy_to(NumberOf<W>* to) const noexcept {
         typedef Vector Unaligned __attribute__((aligned(alignof(NumberOf<W>))));
         *reinterpret_cast<Unaligned*>(to) = v;
@@ -71,7 +71,7 @@ requires(is_native<W>) struct Lanes<W> {
     friend Lanes abs(const Lanes& a) noexcept { return native_abs<W>(a.v); }
 };
 
-/// from [lane_count<W>]
+/// Loads lanes. from [lane_count<W>]
 template <int W>
 [[nodiscard]] inline Lanes<W> load(const NumberOf<W>* from) noexcept {
     if constexpr (is_native<W>) {
@@ -83,7 +83,7 @@ template <int W>
     }
 }
 
-/// The first `count` lanes.
+/// Stores the first `count` lanes.
 template <int W>
 inline void store_first(const Lanes<W>& lanes, NumberOf<W>* to, int count) noexcept {
     if (count >= lane_count<W>) return lanes.copy_to(to);
@@ -112,7 +112,7 @@ template <int W>
     }
 }
 
-/// Its two halves added.
+/// Sum of both halves.
 template <int W>
 [[nodiscard]] inline Lanes<W / 2> folded(const Lanes<W>& lanes) noexcept {
     return half<W>(lanes, 0) + half<W>(lanes, 1);
@@ -152,7 +152,7 @@ template <int W>
     }
 }
 
-/// One lane of `from` to the same lane of `to`.
+/// Copies one lane of `from` to the same lane of `to`.
 template <int W>
 inline void take(const Lanes<W>& from, std::size_t lane, Lanes<W>& to) noexcept {
     to.set(lane, from[lane]);

@@ -1,5 +1,5 @@
 #pragma once
-/// How many numbers a vector of the processor holds, by the compiler's flags. bench/one_lane replaces this header.
+/// Number of doubles in a vector of the processor, by the compiler's flags. bench/one_lane replaces this header.
 
 #include "model/basis/isa.hpp"
 

@@ -17,7 +17,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// In a vector of the processor there are twice as many floats as doubles.
+/// Floats per vector of the processor: twice as many as doubles.
 inline constexpr int native_floats = 2 * native_lanes;
 
 inline constexpr int single_widths = 1 << 16;
@@ -106,7 +106,7 @@ template <int W>
     }
 }
 
-/// a > b ? a : b, as one instruction where the processor has it (compilers see it in some places only).
+/// a > b ? a : b, as one instruction where the processor has it (compilers find it in some places only).
 template <int W>
 [[nodiscard]] inline Native<W> native_larger(Native<W> a, Native<W> b) noexcept {
 #if defined(__AVX512F__)

@@ -26,8 +26,8 @@ namespace cvtflow::model {
 [[nodiscard]] double legendre_derivative(int m, double x) noexcept;
 
 struct Quadrature {
-    std::vector<double> position;  ///< in (-1, 1), ascending [1]
-    std::vector<double> weight;    ///< sums to 1 [1]
+    std::vector<double> position;  ///< nodes in (-1, 1), ascending
+    std::vector<double> weight;    ///< weights with the sum 1
 };
 /// Gauss-Legendre rule with `points` ≥ 1 nodes (Newton iteration on P_n; Abramowitz & Stegun 25.4.29).
 [[nodiscard]] Quadrature gauss_legendre(int points);

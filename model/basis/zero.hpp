@@ -1,5 +1,5 @@
 #pragma once
-/// A number that is known to be zero when the code is compiled: what it multiplies is not computed, what it is added to stays as it is.
+/// A number that is zero at compile time: products with it are not computed, sums with it are not changed.
 
 #include <concepts>
 

@@ -19,15 +19,15 @@ struct FrictionCurve {
     FrictionLaw law = FrictionLaw::piecewise;
 
     double inverse_saturation_speed = 1.0;  ///< 1/v0, also g(0), the largest that g is [s/m]
-    double proportional_speed = 1.0;        ///< ≥ 0, up to which s = v/v0; a hair above 0 where that is nowhere [m/s]
-    double full_speed = 1.0;                ///< from which s = 1; may be infinite [m/s]
-    double shape = 0.0;                     ///< one more number, whatever the law needs [s²/m²]
+    double proportional_speed = 1.0;        ///< speed up to which s = v/v0, ≥ 0; slightly above 0 where there is none [m/s]
+    double full_speed = 1.0;                ///< speed from which s = 1; may be infinite [m/s]
+    double shape = 0.0;                     ///< further number of the law [s²/m²]
     double linear_speed_squared = 0.0;      ///< a v² whose root is below the proportional speed however it is rounded [m²/s²]
 
     FrictionCurve() = default;
     FrictionCurve(const Friction& friction, const Detail& detail) noexcept;
 
-    /// With the same coefficient and saturation speed, without a smoothed corner.
+    /// Curve with the same coefficient and saturation speed, without a smoothed corner.
     [[nodiscard]] FrictionCurve piecewise() const noexcept;
 };
 
@@ -38,7 +38,7 @@ struct SpeedProfile {
 
     int intervals = 0;
     double first = 1.0;                       ///< value up to the first knot
-    std::array<double, max_knots> begin{};    ///< of each interval [m/s]
+    std::array<double, max_knots> begin{};    ///< knot at the beginning of each interval [m/s]
     std::array<double, max_knots> inverse{};  ///< 1/width [s/m]
     std::array<double, max_knots> linear{};   ///< value gained within the interval: linear t + square t² + cube t³, t = 0…1
     std::array<double, max_knots> square{}, cube{};
@@ -51,10 +51,10 @@ struct SpeedProfile {
 
 /// Factors on the friction that `tip.friction_coefficient` alone would give.
 struct TipLaw {
-    SpeedProfile by_speed;          ///< of the sliding speed, at most 1
-    double without_pressure = 1.0;  ///< factor by pressure where there is none
-    double per_root_depth = 0.0;    ///< and what it gains per √δ of Hertz' depth, as pressure is proportional to √δ [1/√m]
-    double memory = 0.0;            ///< L: distance over which the speed that `by_speed` takes follows the sliding one; 0: it is that [m]
+    SpeedProfile by_speed;          ///< factor by sliding speed, at most 1
+    double without_pressure = 1.0;  ///< pressure factor at zero pressure
+    double per_root_depth = 0.0;  ///< increase of the pressure factor per √δ of Hertz' depth, as pressure is proportional to √δ [1/√m]
+    double memory = 0.0;          ///< L: distance over which the argument of `by_speed` follows the sliding speed; 0: equal to it [m]
 };
 
 /// The law of a scene; nullptr for one coefficient at all speeds and pressures.

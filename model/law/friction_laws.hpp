@@ -54,8 +54,8 @@ struct PiecewiseLaw {
     }
 };
 
-/// With the corner replaced by a parabola between 1 - d and 1 + d: s = u - (u - 1 + d)²/4d, written from its lower end, so that nothing
-/// cancels at low speed.
+/// Piecewise law with a parabola instead of the corner, between 1 - d and 1 + d: s = u - (u - 1 + d)²/4d, written from its lower end, so
+/// that nothing cancels at low speed.
 struct SmoothedLaw {
     static constexpr FrictionLaw law = FrictionLaw::smoothed;
 

@@ -19,7 +19,7 @@ struct PhaseRule {
     double release = 1e-9;          ///< gap at which a touching tip becomes free [m]
     double slip_band = 1e-6;        ///< relative width of the band about v0 between stick and slip
     double saturation_speed = 1.0;  ///< v0 of the tips [m/s]
-    bool stick_slip = false;        ///< whether stick and slip are phases of their own
+    bool stick_slip = false;        ///< whether stick and slip are phases
 
     /// Phase that the tip should have, given that it has `phase` now.
     [[nodiscard]] Phase next(Phase phase, const TipIndicator& tip) const noexcept {

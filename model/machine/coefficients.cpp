@@ -44,7 +44,7 @@ std::vector<double> longer_halves(const Parameters& parameters) {
 
 namespace {
 
-/// Mass that a spring of the chain sees: half of a pin half with its share of plates.
+/// Mass at a spring of the chain: half of a pin half with its share of plates.
 double chain_mass(const Parameters& p) noexcept { return 0.5 * (p.half.mass + 0.5 * p.plate.count * p.plate.mass); }
 
 int lane_width(int count) noexcept {

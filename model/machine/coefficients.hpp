@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers derived once from the parameters: what the kernels read in the loop. Immutable during a run.
+/// Numbers derived once from the parameters, for the kernels. Immutable during a run.
 
 #include <array>
 #include <memory>
@@ -31,7 +31,7 @@ struct LinkKind {
     Spring bending, shear, torsion;  ///< plate pack
 };
 
-/// Points along ξ. Sums over them have the tree of lanes side by side, of which those beyond the count are padding.
+/// Points along ξ. Sums over them have the tree of lanes side by side; lanes beyond the count are padding.
 template <int Most>
 struct PointLanes {
     int count = 0;                                    ///< real points
@@ -48,7 +48,7 @@ struct BendingLanes {
 };
 
 struct TipCoefficients {
-    double sine, cosine;     ///< of β [1]
+    double sine, cosine;     ///< sin β, cos β
     double radius;           ///< R_p [m]
     double reach;            ///< R_c + R_p [m]
     double touching_radius;  ///< r_m + R_p sin β: radius of the sphere's centre when it touches at r_m
@@ -74,9 +74,9 @@ struct GuideCoefficients {
     bool present = false;
     double stiffness, damping, clearance, friction;  ///< k [N/m], χ [s/m], c [m], μ
     double per_full_speed;                           ///< 1/(speed from which friction is full) [s/m]
-    double sine, cosine;                             ///< of the tangent's slope φ, sin φ = (r_2 - r_1)/a
+    double sine, cosine;                             ///< sin φ, cos φ of the tangent's slope: sin φ = (r_2 - r_1)/a
     double radius;                                   ///< r_1 + o [m]
-    double begin, end;                               ///< of the rails, along s [m]
+    double begin, end;                               ///< beginning and end of the rails, along s [m]
     double per_ramp;                                 ///< 1/(length over which the stiffness grows at either end) [1/m]
 };
 
@@ -96,22 +96,22 @@ struct Coefficients {
     JointCoefficients joint;
     TipCoefficients tip;
     GuideCoefficients guide;
-    SpeedProfile clamping_limit;  ///< over the slip speed; 0 everywhere: none [N]
-    bool eccentric;               ///< a flank moves as its shaft turns
-    std::vector<double> longer;   ///< [pins] by which half a pin is longer than ℓ_p/2; empty: all are equal [m]
+    SpeedProfile clamping_limit;  ///< limit over the slip speed; 0 everywhere: none [N]
+    bool eccentric;               ///< whether a flank moves as its shaft turns
+    std::vector<double> longer;   ///< [pins] excess of half a pin's length over ℓ_p/2; empty: all are equal [m]
     double middle;                ///< a/2: links with smaller x belong to shaft 0 [m]
     double centre_distance;       ///< a [m]
-    double plate_bow;             ///< mean over the plates of P_2, by which x_0 of a rigid pin differs from that of a half
+    double plate_bow;             ///< mean over the plates of P_2: shift of x_0 of a rigid pin against that of a half
 
     [[nodiscard]] const LinkKind& kind(int link) const noexcept {
         return kinds[static_cast<std::size_t>(kind_of[static_cast<std::size_t>(link)])];
     }
 };
 
-/// Positions ξ_j of the plates as they are resolved (each or lumped), with their number standing for the totals of the pack.
+/// Positions ξ_j of the plates as they are resolved (each or lumped); their number represents the totals of the pack.
 [[nodiscard]] std::vector<double> plate_positions(const Parameters& parameters);
 
-/// By which half of each pin is longer than half.length/2 [pins]: drawn from a normal distribution that is cut at three times its standard
+/// Excess of half of each pin's length over half.length/2 [pins]: drawn from a normal distribution that is cut at three times its standard
 /// deviation. Empty if pins are equal. [m]
 [[nodiscard]] std::vector<double> longer_halves(const Parameters& parameters);
 

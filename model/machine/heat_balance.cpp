@@ -14,8 +14,8 @@ void HeatBalance::restart(const Parameters& parameters) noexcept {
     m_.pulleys = m_.oil = start_;
 }
 
-/// Backward Euler, so that steps may be longer than a time constant, with temperatures at the end of the step in every flow: then what the
-/// losses give is stored or has gone to ambient, to rounding.
+/// Backward Euler, so that steps may be longer than a time constant, with temperatures at the end of the step in every flow: the heat of
+/// the losses is stored or has gone to ambient, to rounding.
 void HeatBalance::advance(double time, const std::array<double, loss_kinds>& lost) noexcept {
     if (!heat_.enabled) return;
     const double all = std::accumulate(lost.begin(), lost.end(), 0.0);

@@ -1,6 +1,5 @@
 #pragma once
-/// Temperatures of pulleys with chain, and of the oil around them, by a lumped heat balance that the losses feed. (model/EQUATIONS.md
-/// section 12)
+/// Temperatures of pulleys with chain, and of the oil around them, by a lumped heat balance of the losses. (model/EQUATIONS.md section 12)
 
 #include <array>
 #include <span>
@@ -13,10 +12,10 @@ namespace cvtflow::model {
 
 class HeatBalance {
 public:
-    /// All at rest at the oil's temperature, as a settled machine is.
+    /// Sets all temperatures to the oil's, as in a settled machine.
     void restart(const Parameters& parameters) noexcept;
-    /// Losses so far, by kind: what they have grown by since the last call heats. Before t = 0 temperatures stay.
-    /// time [s], lost [J]
+    /// Adds the heat of the losses since the last call. Before t = 0 temperatures are constant.
+    /// time [s], lost: losses so far, by kind [J]
     void advance(double time, const std::array<double, loss_kinds>& lost) noexcept;
 
     [[nodiscard]] bool enabled() const noexcept { return heat_.enabled; }
@@ -24,11 +23,11 @@ public:
     [[nodiscard]] double oil() const noexcept { return m_.oil; }          ///< [K]
     /// Temperature of the film between tips and sheaves: mean of both [K].
     [[nodiscard]] double film() const noexcept { return 0.5 * (m_.pulleys + m_.oil); }
-    [[nodiscard]] double given() const noexcept { return m_.given; }  ///< by the losses since t = 0 [J]
-    [[nodiscard]] double taken() const noexcept { return m_.taken; }  ///< by ambient since t = 0 [J]
-    [[nodiscard]] double stored() const noexcept;                     ///< since t = 0 [J]
+    [[nodiscard]] double given() const noexcept { return m_.given; }  ///< heat of the losses since t = 0 [J]
+    [[nodiscard]] double taken() const noexcept { return m_.taken; }  ///< heat that ambient has received since t = 0 [J]
+    [[nodiscard]] double stored() const noexcept;                     ///< heat stored since t = 0 [J]
 
-    /// For saved states; nothing if the balance is off.
+    /// Writes the memory of saved states; empty if the balance is off.
     void save(std::vector<double>& memory) const;
     /// @return false for a malformed memory
     [[nodiscard]] bool load(std::span<const double> memory) noexcept;
@@ -36,7 +35,7 @@ public:
 private:
     struct Memory {
         double time, pulleys, oil;       ///< [s], [K], [K]
-        double lost_by_tips, lost_else;  ///< at that time [J]
+        double lost_by_tips, lost_else;  ///< losses at that time [J]
         double given, taken;             ///< [J]
     };
     Heat heat_;

@@ -35,17 +35,17 @@ private:
 };
 
 struct LinkInertia {
-    SmallInverse lateral;                                                        ///< of B, for x and for y: [a_0…a_p, b_0…b_p]
-    SmallInverse axial;                                                          ///< of C: [a.z, a.e, b.z, b.e]
-    std::array<double, max_lateral_block * max_lateral_block> lateral_matrix{};  ///< B itself, rows of 2(p+1) [kg]
-    std::array<double, 16> axial_matrix{};                                       ///< C itself [kg]
+    SmallInverse lateral;                                                        ///< inverse of B, for x and for y: [a_0…a_p, b_0…b_p]
+    SmallInverse axial;                                                          ///< inverse of C: [a.z, a.e, b.z, b.e]
+    std::array<double, max_lateral_block * max_lateral_block> lateral_matrix{};  ///< B, rows of 2(p+1) [kg]
+    std::array<double, 16> axial_matrix{};                                       ///< C [kg]
 };
 
 /// Kinetic energy of a link or a rigid pin [J]. @param v its velocities as in the state
 [[nodiscard]] double kinetic_energy(const LinkInertia& inertia, const double* v) noexcept;
 
-/// Inertia of a link with the given parameters; the same for every link as plates weigh the same whatever their pitch. With rigid pins that
-/// of a pin, with half of the plates of both links that it ties.
+/// Inertia of a link, equal for all links as plates weigh the same whatever their pitch; with rigid pins that of a pin with half of the
+/// plates of both its links.
 [[nodiscard]] LinkInertia link_inertia(const Parameters& parameters);
 
 }  // namespace cvtflow::model

@@ -12,12 +12,12 @@ namespace cvtflow::model {
 struct Vehicle {
     double mass = 0.0;                  ///< 0: no vehicle [kg]
     double wheel_radius = 0.3;          ///< r [m]
-    double wheel_inertia = 0.0;         ///< of all wheels, and of what turns with them [kg·m²]
+    double wheel_inertia = 0.0;         ///< inertia of all wheels and the parts that turn with them [kg·m²]
     double final_drive = 5.5;           ///< i_f, speed of shaft 2 over the wheels'
-    double efficiency = 1.0;            ///< of the final drive, in a cycle
+    double efficiency = 1.0;            ///< efficiency of the final drive, in a cycle
     double drag_area = 0.62;            ///< c_w A [m²]
     double air_density = 1.2;           ///< [kg/m³]
-    double rolling_resistance = 0.012;  ///< over the weight
+    double rolling_resistance = 0.012;  ///< rolling resistance over the weight
     TimeTable grade{0.0};               ///< rise of the road over its horizontal length
     [[nodiscard]] bool present() const noexcept { return mass > 0.0; }
     [[nodiscard]] double lever() const noexcept { return wheel_radius / final_drive; }                              ///< [m]
@@ -42,7 +42,7 @@ struct Cycle {
 
 /// Accounts of a trip: energies [J] but for `distance` [m]. shaft = kinetic + climb + air + rolling + brakes + clutch + final_drive.
 enum class TripAccount { distance, traction, shaft, kinetic, climb, air, rolling, brakes, clutch, final_drive };
-using TripSums = std::array<double, 10>;  ///< by account [J, m]
+using TripSums = std::array<double, 10>;  ///< energies and distance by account [J, m]
 
 /// Load of a vehicle without clutch and cycle: inertia, torque and drag of shaft 2.
 void load_by(const Vehicle& vehicle, Load& load);
@@ -52,19 +52,19 @@ class Trip {
 public:
     Trip() = default;
     Trip(const Vehicle& vehicle, const Cycle& cycle) { follow(vehicle, cycle); }
-    /// Becomes the trip of these. Allocates nothing if neither is a longer table than before.
+    /// Changes the vehicle and the cycle. Allocates nothing if neither is a longer table than before.
     void follow(const Vehicle& vehicle, const Cycle& cycle);
 
-    [[nodiscard]] double speed(double t) const noexcept;  ///< of the vehicle [m/s]. t [s]
+    [[nodiscard]] double speed(double t) const noexcept;  ///< vehicle speed [m/s]. t [s]
     /// Accounts from t = 0 on; zero without a cycle. t [s]
     [[nodiscard]] TripSums sums(double t) const noexcept;
-    /// Sets what follows from the cycle: speed of shaft 1, ratio, torque of shaft 2, ratio of the start.
+    /// Sets the parameters that follow from the cycle: speed of shaft 1, ratio, torque of shaft 2, ratio of the start.
     void command(Parameters& parameters) const;
-    [[nodiscard]] int points() const noexcept { return static_cast<int>(sums_.size()); }  ///< of these tables
+    [[nodiscard]] int points() const noexcept { return static_cast<int>(sums_.size()); }  ///< number of points of these tables
 
 private:
     struct Demand {
-        double driving = 0.0, ratio = 0.0, torque = 0.0;  ///< ω_1 [rad/s], ω_1/ω_2, of shaft 2 [N·m]
+        double driving = 0.0, ratio = 0.0, torque = 0.0;  ///< ω_1 [rad/s], ω_1/ω_2, torque of shaft 2 [N·m]
         TripSums power{};                                 ///< rates of the accounts
     };
     [[nodiscard]] Demand demand(double t) const noexcept;
@@ -73,8 +73,8 @@ private:
 
     Vehicle vehicle_;
     Cycle cycle_;
-    TimeTable engine_speed_;      ///< over v [m/s] instead of a time
-    std::vector<TripSums> sums_;  ///< at 0, pedal_time, 2 pedal_time …, up to the end of the cycle
+    TimeTable engine_speed_;      ///< table over v [m/s] instead of a time
+    std::vector<TripSums> sums_;  ///< sums at 0, pedal_time, 2 pedal_time …, up to the end of the cycle
 };
 
 }  // namespace cvtflow::model

@@ -209,12 +209,12 @@ struct PitchLine {
     double turning;  ///< θ' [rad/s]
 };
 
-/// From the rear half R to the front half L of the link before. (model/EQUATIONS.md section 10)
+/// Offset u from the rear half R to the front half L of the link before. (model/EQUATIONS.md section 10)
 struct Reach {
     Point offset, rate;  ///< u [m], [m/s]
 };
 
-/// Halves roll on each other, so that their distance is a function of the angle between the links.
+/// Offset of halves that roll on each other, a function of the angle between the links.
 /// @param diameter 2ρ, arm c_a [m]
 [[nodiscard]] Reach rolling(double diameter, double arm, const PitchLine& before, const PitchLine& after) noexcept {
     const Point s = before.along + after.along;

@@ -1,6 +1,5 @@
 #pragma once
-/// Forces inside the chain at one instant: what each tip, plate, joint and pin half carries, and how the friction of the tips couples the
-/// pins to the rotation of their pulleys. (model/EQUATIONS.md section 9)
+/// Forces inside the chain at one instant: those of each tip, plate, joint and pin half. (model/EQUATIONS.md section 9)
 
 #include <array>
 #include <vector>
@@ -12,36 +11,35 @@
 namespace cvtflow::model {
 
 struct ChainForces {
-    std::vector<double> tip_normal;  ///< [4 links] N of the contact [N]
-    std::vector<double>
-        tip_tangential;               ///< [4 links] of the tip on its sheave, in the sense of positive rotation about the shaft's axis [N]
-    std::vector<double> tip_radial;   ///< [4 links] of the tip on its sheave, away from the shaft's axis [N]
-    std::vector<double> tip_sliding;  ///< [4 links] speed along its sheave's surface [m/s]
-    std::vector<double> tip_power;    ///< [4 links] lost by friction [W]
-    std::vector<double> tip_radius;   ///< [4 links] of its contact about the shaft's axis [m]
+    std::vector<double> tip_normal;      ///< [4 links] normal force [N]
+    std::vector<double> tip_tangential;  ///< [4 links] force of the tip on its sheave along positive rotation about the shaft's axis [N]
+    std::vector<double> tip_radial;      ///< [4 links] force of the tip on its sheave away from the shaft's axis [N]
+    std::vector<double> tip_sliding;     ///< [4 links] speed along its sheave's surface [m/s]
+    std::vector<double> tip_power;       ///< [4 links] power lost by friction [W]
+    std::vector<double> tip_radius;      ///< [4 links] distance of the contact from the shaft's axis [m]
     std::vector<double> plate_tension;   ///< [plates_per_link links] elastic and damping tension; link by link [N]
-    std::vector<double> joint_normal;    ///< [links] pressing of the two halves of a pin on one another [N]
-    std::vector<double> joint_friction;  ///< [links] along the rolling profile, on the front half of the link before [N]
+    std::vector<double> joint_normal;    ///< [links] normal force between the two halves of a pin [N]
+    std::vector<double> joint_friction;  ///< [links] friction along the rolling profile, on the front half of the link before [N]
     std::vector<double> joint_axial;     ///< [links] friction along the pin, on the front half of the link before [N]
     std::vector<double> bending_travel;  ///< [2 links] bending moment in the middle of a half, in the direction of travel [N·m]
-    std::vector<double> bending_height;  ///< [2 links] the same along the link's height [N·m]
+    std::vector<double> bending_height;  ///< [2 links] bending moment in the middle of a half, along the link's height [N·m]
     std::vector<double> half_axial;      ///< [2 links] axial force of a half, tension is positive [N]
-    int plates_per_link = 0;             ///< as they are resolved: each, or lumped
+    int plates_per_link = 0;             ///< plates as resolved: each, or lumped
 };
 
-/// Plates of a link as they are resolved.
+/// Number of plates of a link as resolved.
 [[nodiscard]] int plates_per_link(const ChainModel& chain) noexcept;
 
 /// Forces of halves. Serial. state [unknowns]
-/// @param contacts of that state, from ChainModel::observed_slopes [links]   @param forces memory of the last call is used again
+/// @param contacts results of ChainModel::observed_slopes for that state [links]   @param forces reuses its memory
 void observe_forces(const ChainModel& chain, const double* state, const LinkContact* contacts, ChainForces& forces);
-/// Forces of rigid pins. @param now of the chain
+/// Forces of rigid pins.
 void observe_forces(const ChainModel& chain, const RigidInstant& now, ChainForces& forces);
 
-/// Layout of what halves_of() gives.
+/// Layout of the states that halves_of() writes.
 [[nodiscard]] ChainLayout halves_layout(ChainLayout layout) noexcept;
 
-/// The links of a state as those of halves, in halves_layout(); as they are where pins are halves already. state, halves [unknowns]
+/// Writes the links of a state as those of halves, in halves_layout(); copies them where pins are halves. state, halves [unknowns]
 void halves_of(const Coefficients& coefficients, const double* state, std::vector<double>& halves);
 
 }  // namespace cvtflow::model

@@ -14,11 +14,10 @@ namespace cvtflow::model {
 
 /// A quantity over time: linear between points, constant outside them. One point is a constant. Times ascend strictly.
 struct TimeTable {
-    std::vector<double> time{0.0};   ///< [s]
-    std::vector<double> value{0.0};  ///< unit of the quantity [unit of the quantity]
+    std::vector<double> time{0.0};  ///< [s]
+    std::vector<double> value{0.0};
 
     TimeTable() = default;
-    /// constant [unit of the quantity]
     explicit TimeTable(double constant) : value{constant} {}
     TimeTable(std::vector<double> times, std::vector<double> values) : time(std::move(times)), value(std::move(values)) {}
 
@@ -31,8 +30,8 @@ struct TimeTable {
 
 /// A number over a speed, between whose points a law interpolates. Speeds ascend strictly; one point is a constant.
 struct SpeedTable {
-    std::vector<double> speed{0.0};   ///< [m/s]
-    std::vector<double> value{0.09};  ///< unit of the quantity [unit of the quantity]
+    std::vector<double> speed{0.0};  ///< [m/s]
+    std::vector<double> value{0.09};
     bool operator==(const SpeedTable&) const = default;
 };
 
@@ -43,9 +42,9 @@ enum class HydraulicMode { none, force, pressure };
 struct Cylinder {
     double area = 0.01;         ///< A [m²]
     double inner = 20e-3;       ///< inner radius of the piston r_i [m]
-    double compensation = 0.0;  ///< area of a chamber on the other side, whose oil only turns; from r_i on [m²]
+    double compensation = 0.0;  ///< area of a chamber on the other side, whose oil only rotates; from r_i on [m²]
     double spring = 0.0;        ///< force of a spring toward the chain where the flank's r_m is the running radius [N]
-    double spring_rate = 0.0;   ///< by which it falls as the sheave moves toward the chain [N/m]
+    double spring_rate = 0.0;   ///< decrease of this force per travel of the sheave toward the chain [N/m]
     TimeTable pressure{2e6};    ///< target, mode pressure [Pa]
     bool operator==(const Cylinder&) const = default;
 };
@@ -62,9 +61,9 @@ struct Hydraulics {
     double valve_conductance = 1e-9;   ///< G of a valve fully open [m³/(s·Pa)]
     double valve_lag = 0.01;           ///< time constant [s]
     double valve_rate = 1e8;           ///< largest change of a set pressure [Pa/s]
-    double pump_displacement = 12e-6;  ///< per turn [m³]
+    double pump_displacement = 12e-6;  ///< displacement per turn [m³]
     double pump_ratio = 1.0;           ///< turns of the pump per turn of shaft 1
-    TimeTable pump_speed{0.0};         ///< of the pump's own motor, added [rad/s]
+    TimeTable pump_speed{0.0};         ///< speed of the pump's motor, added [rad/s]
     double pump_volumetric = 0.9;      ///< volumetric efficiency
     double pump_mechanical = 0.85;     ///< mechanical efficiency
     double line_margin = 3e5;          ///< line pressure above the higher set pressure [Pa]
@@ -82,7 +81,7 @@ enum class FrictionLaw { piecewise, smoothed };
 inline constexpr std::array<std::string_view, 2> friction_law_names{"piecewise", "smoothed"};
 /// Friction of tips: one coefficient, a table over the sliding speed, or a lubricated contact.
 enum class TipFriction { constant, table, lubricated };
-/// In the order of their numbers: 1-, 1+, 2-, 2+.
+/// Sheaves in the order of their numbers: 1-, 1+, 2-, 2+.
 enum class Sheave { driving_fixed, driving_movable, driven_movable, driven_fixed };
 enum class JointLaw { linear, palmgren };
 enum class DriveMode { speed, torque, coupling };
@@ -98,7 +97,7 @@ struct Detail {
     int order = 3;                           ///< p, Legendre order of the axis of a pin half, 0…3
     PlateDetail plates = PlateDetail::each;  ///< every plate, or a lumped pack with the same moments
     int joint_points = 3;                    ///< Gauss-Legendre points along the rolling line of a joint, 1…16
-    double mass_scaling = 1.0;               ///< inertia of motions that tilt or deform a pin, over its own, ≥ 1 [1]
+    double mass_scaling = 1.0;               ///< factor on the inertia of motions that tilt or deform a pin, ≥ 1
     PulleyDetail pulleys = PulleyDetail::elastic;
     FrictionLaw friction = FrictionLaw::piecewise;
     double smoothing = 0.1;   ///< half-width d of the smoothed law, in units of v0 [1]
@@ -160,20 +159,20 @@ struct Tip {
     double deepest = 2e-4;               ///< deeper penetration is a fault [m]
     Friction friction{0.09, 0.01};
     TipFriction friction_law = TipFriction::constant;
-    SpeedTable friction_table;          ///< of law table: μ over the sliding speed [1]
+    SpeedTable friction_table;          ///< law table: μ over the sliding speed
     double friction_memory = 0.0;       ///< L: distance over which friction follows the sliding speed; 0: at once [m]
-    double limiting_traction = 0.05;    ///< of law lubricated: μ of a full film [1]
-    double roughness = 0.2e-6;          ///< of law lubricated: root mean square of both surfaces [m]
+    double limiting_traction = 0.05;    ///< law lubricated: μ of a full film
+    double roughness = 0.2e-6;          ///< law lubricated: root mean square of both surfaces [m]
     double pressure_sensitivity = 0.0;  ///< a: relative change of μ per relative change of pressure [1]
-    double reference_pressure = 1e9;    ///< at which μ is as given [Pa]
+    double reference_pressure = 1e9;    ///< pressure at which μ applies unchanged [Pa]
     bool operator==(const Tip&) const = default;
 };
 
 /// Oil of tips with the lubricated law.
 struct Oil {
     double temperature = 353.15;         ///< [K]
-    double viscosity_40 = 0.030;         ///< dynamic, at 40 °C [Pa·s]
-    double viscosity_100 = 0.006;        ///< at 100 °C [Pa·s]
+    double viscosity_40 = 0.030;         ///< dynamic viscosity at 40 °C [Pa·s]
+    double viscosity_100 = 0.006;        ///< dynamic viscosity at 100 °C [Pa·s]
     double pressure_viscosity = 1.8e-8;  ///< α of Barus' law [1/Pa]
     bool operator==(const Oil&) const = default;
 };
@@ -181,11 +180,11 @@ struct Oil {
 /// Heat balance of the losses: pulleys and chain, and the oil around them.
 struct Heat {
     bool enabled = false;
-    double ambient = 353.15;             ///< of the oil that flows in [K]
-    double pulley_capacity = 12e3;       ///< of pulleys and chain [J/K]
-    double oil_capacity = 2e3;           ///< of the oil around them [J/K]
-    double pulley_conductance = 100.0;   ///< from pulleys and chain to the oil [W/K]
-    double ambient_conductance = 100.0;  ///< from the oil to ambient [W/K]
+    double ambient = 353.15;             ///< temperature of the oil that flows in [K]
+    double pulley_capacity = 12e3;       ///< heat capacity of pulleys and chain [J/K]
+    double oil_capacity = 2e3;           ///< heat capacity of the oil around them [J/K]
+    double pulley_conductance = 100.0;   ///< conductance from pulleys and chain to the oil [W/K]
+    double ambient_conductance = 100.0;  ///< conductance from the oil to ambient [W/K]
     bool operator==(const Heat&) const = default;
 };
 
@@ -229,13 +228,13 @@ struct Coupling {
 
 /// Imperfections of a machine, which its drawing does not show.
 struct Imperfection {
-    double misalignment = 0.0;              ///< of pulley 2 along its axis, towards +z [m]
-    Sheave sheave = Sheave::driving_fixed;  ///< the one with run-out, another attachment, or unbalance
+    double misalignment = 0.0;              ///< offset of pulley 2 along its axis, towards +z [m]
+    Sheave sheave = Sheave::driving_fixed;  ///< sheave with run-out, another attachment, or unbalance
     double runout = 0.0;                    ///< radial eccentricity of its flank about the shaft's axis [m]
-    double attachment = 1.0;                ///< its attachment's stiffness against tilt, over that of the others
-    double unbalance = 0.0;                 ///< its mass times the distance of its centre of mass from its axis [kg·m]
+    double attachment = 1.0;                ///< ratio of the tilt stiffness of its attachment to that of the others
+    double unbalance = 0.0;                 ///< mass of the sheave times the distance of its centre of mass from its axis [kg·m]
     double pin_length_spread = 0.0;         ///< standard deviation of the lengths of pins [m]
-    std::uint64_t pin_length_seed = 1;      ///< by which lengths are drawn
+    std::uint64_t pin_length_seed = 1;      ///< seed of the lengths
     bool operator==(const Imperfection&) const = default;
 };
 
@@ -244,29 +243,29 @@ struct Drive {
     TimeTable speed{209.43951023931953};  ///< ω_ref of shaft 1, or of what drives it through the coupling [rad/s]
     TimeTable torque{0.0};                ///< T_1, mode torque [N·m]
     double governor_frequency = 200.0;    ///< f_g [Hz]
-    double inertia = 0.0;                 ///< added to shaft 1 [kg·m²]
-    Coupling coupling;                    ///< of mode coupling
+    double inertia = 0.0;                 ///< inertia added to shaft 1 [kg·m²]
+    Coupling coupling;                    ///< used in mode coupling
     bool operator==(const Drive&) const = default;
 };
 
-/// Before t = 0 `torque` acts in every mode; then the modes speed and coupling take over without a jump of the torque.
+/// Load of shaft 2. Before t = 0 `torque` acts in every mode; then the modes speed and coupling take over without a jump of the torque.
 struct Load {
     LoadMode mode = LoadMode::torque;
     TimeTable torque{150.0};            ///< M, against the travel of shaft 2 [N·m]
-    TimeTable speed{0.0};               ///< ω_ref of shaft 2, or of what turns beyond the coupling [rad/s]
-    double governor_frequency = 200.0;  ///< of mode speed [Hz]
-    Coupling coupling;                  ///< of mode coupling
-    double linear = 0.0;                ///< b, added per speed of shaft 2 [N·m·s/rad]
-    double quadratic = 0.0;             ///< c, added per its speed squared, with its sign [N·m·s²/rad²]
-    double inertia = 0.0;               ///< added to shaft 2 [kg·m²]
+    TimeTable speed{0.0};               ///< ω_ref of shaft 2, or of the inertia beyond the coupling [rad/s]
+    double governor_frequency = 200.0;  ///< f_g, mode speed [Hz]
+    Coupling coupling;                  ///< used in mode coupling
+    double linear = 0.0;                ///< b, torque added per speed of shaft 2 [N·m·s/rad]
+    double quadratic = 0.0;             ///< c, torque added per squared speed of shaft 2, with its sign [N·m·s²/rad²]
+    double inertia = 0.0;               ///< inertia added to shaft 2 [kg·m²]
     bool operator==(const Load&) const = default;
 };
 
-/// Torque that seals, bearings and oil take from a shaft, by its speed; never brings energy.
+/// Torque that seals, bearings and oil take from a shaft, by its speed; never supplies energy.
 struct ShaftDrag {
     double seals = 0.0;     ///< M_s, at any speed [N·m]
-    double viscous = 0.0;   ///< b, of bearings, per speed [N·m·s/rad]
-    double churning = 0.0;  ///< c, of oil, per speed squared [N·m·s²/rad²]
+    double viscous = 0.0;   ///< b, friction of bearings per speed [N·m·s/rad]
+    double churning = 0.0;  ///< c, drag of oil per speed squared [N·m·s²/rad²]
     bool operator==(const ShaftDrag&) const = default;
 };
 
@@ -274,7 +273,7 @@ struct ShaftDrag {
 struct Drag {
     ShaftDrag driving, driven;
     double bearing_friction = 0.0;    ///< μ_B of both shafts' bearings under load [1]
-    double bearing_diameter = 40e-3;  ///< d_B, at which that friction acts [m]
+    double bearing_diameter = 40e-3;  ///< d_B, diameter at which that friction acts [m]
     [[nodiscard]] bool present() const noexcept { return driving != ShaftDrag{} || driven != ShaftDrag{} || bearing_friction != 0.0; }
     bool operator==(const Drag&) const = default;
 };
@@ -282,13 +281,13 @@ struct Drag {
 /// Guides of both strands: a rail inside and one outside of each, beside the common tangents of the pulleys at start.ratio. None by
 /// default.
 struct Guide {
-    double stiffness = 0.0;     ///< k, of a rail against a pin; 0: no guides [N/m]
+    double stiffness = 0.0;     ///< k, stiffness of a rail against a pin; 0: no guides [N/m]
     double damping = 0.5;       ///< χ: relative growth of the normal force per speed of approach [s/m]
     double clearance = 0.3e-3;  ///< c, between a pin in the middle and either rail [m]
-    double offset = 0.0;        ///< o, of the middle between the rails from the tangent, outwards [m]
+    double offset = 0.0;        ///< o, offset of the middle between the rails from the tangent, outwards [m]
     double friction = 0.1;      ///< μ
-    double begin = 0.2;         ///< of the rails, as a part of the strand from shaft 1 to shaft 2
-    double end = 0.8;           ///< likewise
+    double begin = 0.2;         ///< beginning of the rails, as a part of the strand from shaft 1 to shaft 2
+    double end = 0.8;           ///< end of the rails, as a part of the strand
     [[nodiscard]] bool present() const noexcept { return stiffness > 0.0; }
     bool operator==(const Guide&) const = default;
 };
@@ -296,7 +295,7 @@ struct Guide {
 struct Clamping {
     TimeTable driving{27.1e3};  ///< S_1 [N]
     TimeTable driven{20e3};     ///< S_2 [N]
-    double safety = 0.0;        ///< ν: S_2 is at least what carries ν times the load's torque; 0: as the table has it
+    double safety = 0.0;        ///< ν: S_2 carries at least ν times the load's torque; 0: S_2 is the table
     bool operator==(const Clamping&) const = default;
 };
 
@@ -311,7 +310,7 @@ struct Control {
     double integral = 5e7;                        ///< K_I [N/s]
     double authority = 1e4;                       ///< A, largest correction of S_1 (of S_2) either way [N]
     double reference_speed = 209.43951023931953;  ///< ω_n in drive mode torque [rad/s]
-    DrivenControl driven = DrivenControl::none;   ///< beside ratio control
+    DrivenControl driven = DrivenControl::none;   ///< quantity of the second controller, beside ratio control
     double driven_proportional = 5e5;             ///< K_P of the second controller [N]
     double driven_integral = 5e7;                 ///< K_I of the second controller [N/s]
     double driven_authority = 1e4;                ///< A of the second controller [N]

@@ -1,5 +1,5 @@
 #pragma once
-/// Which pins have their tips computed: those that may touch, eight side by side from wherever they begin. (model/EQUATIONS.md section 11)
+/// Selection of the pins whose tips are computed: those that may touch, eight side by side from any pin on. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 #include <cmath>
@@ -17,12 +17,12 @@ namespace {
     return most;
 }
 
-/// A pulley as far as it decides which pins may touch.
+/// Bounds of a pulley that decide which pins may touch.
 struct PulleyBounds {
-    double x, y;       ///< of the sheave at -z [m]
+    double x, y;       ///< axis of the sheave at -z [m]
     double low, high;  ///< planes of both flanks, for the middle of the longest pin [m]
-    double apart;      ///< at least the distance of both axes [m]
-    double tilt;       ///< at least that of both [rad]
+    double apart;      ///< upper bound of the distance of both axes [m]
+    double tilt;       ///< upper bound of both tilts [rad]
 
     PulleyBounds(const RigidCoefficients& c, const SheaveMotion& at_low, const SheaveMotion& at_high) noexcept
         : x(at_low.x),
@@ -33,7 +33,7 @@ struct PulleyBounds {
           tilt(std::max(std::abs(at_low.tilt_x) + std::abs(at_low.tilt_y), std::abs(at_high.tilt_x) + std::abs(at_high.tilt_y))) {}
 };
 
-/// Sixteen pins, and how near to a sheave their tips can be.
+/// Sixteen pins and the nearness of their tips to a sheave.
 class PinNearness : private PinBlocks<rigid_singles> {
     static constexpr int W = rigid_singles;
     using V = Lanes<W>;
@@ -42,7 +42,7 @@ class PinNearness : private PinBlocks<rigid_singles> {
 public:
     using PinBlocks<W>::PinBlocks;
 
-    /// At least the depth of each pin's tips [m]: the half's sphere nearest to the axis against the flank nearest to it, as if of one tip.
+    /// Upper bound of the depth of each pin's tips [m]: the sphere nearest to the axis against the flank nearest to the pin.
     [[nodiscard, gnu::always_inline]] DoublesOf<W> bound(const RigidCoefficients& c, const PulleyBounds (&pulleys)[2]) const noexcept {
         const double rounding = 1e-6 * (c.middle + c.touching_radius);  // more than that of floats at these distances [m]
         const PlaneV middle = read_rounded(Column::x), end = read_rounded(Column::p), bend = read_rounded(Column::bend_x);
@@ -73,7 +73,7 @@ private:
     }
 };
 
-/// > 0 for pins that may touch: in a step for those that pressed in the last one, and for those that are not certainly free.
+/// Sets `near` > 0 for pins that may touch: in a step those that pressed in the last one, and those that are not certainly free.
 inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
     const PulleyBounds pulleys[] = {{c, sheaves[0], sheaves[1]}, {c, sheaves[2], sheaves[3]}};
     const PinLanes one(1.0), none(0.0);
@@ -93,7 +93,7 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
     }
 }
 
-/// First near pin behind at least seven that are not, so that blocks that begin there and end anywhere do not meet; -1: none.
+/// First near pin after at least seven that are not near, so that blocks that begin there do not overlap; -1: none.
 [[nodiscard]] inline int first_near_pin(const double* near, int pins) noexcept {
     if (pins < 2 * rigid_lanes) return -1;
     int free = 0;
@@ -105,7 +105,7 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
     return -1;
 }
 
-/// Tips' numbers of pins that are no longer near become zeros; those of a block that reached beyond the last pin belong to the first ones.
+/// Clears the tips' numbers of pins that are no longer near; moves those of a block that reached beyond the last pin to the first pins.
 inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
     constexpr Column last = Column::tip_radius + (rigid_tips - 1);
     columns.unwrap(Column::tip_stiffness_front, Column::tip_moment_rear, beyond);
@@ -123,7 +123,7 @@ inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
     }
 }
 
-/// Tips' numbers of velocities as they are, as of pins that are far from any sheave.
+/// Sets the tips' numbers to those of pins far from any sheave, for velocities as they are.
 inline void clear_tips(RigidColumns& columns) noexcept {
     const int all = columns.padded() + rigid_lanes;
     for (int tip = 0; tip < rigid_tips; ++tip) std::fill_n(columns[Column::tip_depth + tip], all, far_depth);

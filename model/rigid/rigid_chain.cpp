@@ -11,7 +11,7 @@ namespace cvtflow::model {
 
 namespace {
 
-/// The reaction on all sheaves, as that of two links: what they carry is added up like that of any others.
+/// Writes the reaction on all sheaves as loads of two links, one per shaft, which are added up like those of any others.
 void share_reaction(const SheaveForces& sheaves, int links, LinkLoad* loads) noexcept {
     std::fill_n(loads, links, LinkLoad{});
     for (int sheave = 0; sheave < 4; ++sheave) {
@@ -82,7 +82,7 @@ RigidSums RigidInstant::sums() const noexcept {
     return sums;
 }
 
-/// The strip's entry 0 is the pin before the first link, entries up to 8 are known: tips of entries 1 … 7, which are those of six links.
+/// Computes six links at a time: entry 0 of the strip is the pin before the first link, entries up to 8 are known, tips are those of 1 … 7.
 void RigidChain::probe(const double* states, int links, const SheaveMotion* sheaves, TipProbe* probes) const noexcept {
     const ChainLayout& at = model_.layout();
     constexpr int links_at_once = rigid_lanes - 2;

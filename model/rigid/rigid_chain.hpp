@@ -27,7 +27,7 @@ public:
     /// Columns with the constants of the links; everything else is zero.
     [[nodiscard]] RigidColumns columns() const;
 
-    /// Accelerations of the pins into the columns acceleration_x …, at coordinates and velocities of the columns.
+    /// Writes accelerations of the pins, at the columns' coordinates and velocities, into the columns acceleration_x ….
     /// @param sheaves [4], nullptr: there are no pulleys
     void accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     /// accelerate() with friction of the present velocities, without memory of a step before.
@@ -39,12 +39,12 @@ public:
     void tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     void sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
 
-    /// Scale of a coordinate or velocity in the columns, over that of a state.
+    /// Scale of a coordinate or velocity of the columns over that of a state.
     [[nodiscard]] double scale(int k) const noexcept { return k < 6 ? 1.0 : coefficients_.bend_share; }
-    /// Columns of coordinates and velocities from and to blocks of a state. @param blocks [pins * layout().link_block()]
+    /// Copies coordinates and velocities between columns and blocks of a state. @param blocks [pins * layout().link_block()]
     void read(const double* blocks, RigidColumns& columns) const noexcept;
     void write(const RigidColumns& columns, double* blocks) const noexcept;
-    /// Accelerations in the columns, in the order of a block's velocities. @param of_pin [layout().link_size()]
+    /// Copies accelerations from the columns, in the order of a block's velocities. @param of_pin [layout().link_size()]
     void acceleration(const RigidColumns& columns, int pin, double* of_pin) const noexcept;
 
 private:
@@ -66,11 +66,11 @@ struct RigidInstant {
     const RigidModel& model;
     const RigidColumns& columns;
     const RigidForces& forces;
-    double lead;  ///< by which the columns' velocities are ahead of their coordinates [s]
+    double lead;  ///< time by which the columns' velocities are ahead of their coordinates [s]
 
     [[nodiscard]] double kinetic() const noexcept;  ///< energy of the pins [J]
     [[nodiscard]] RigidSums sums() const noexcept;
-    /// Column of a tip number 2 end + side of a link, and its entry: the pin whose half is the one at that end.
+    /// Entry of a column for tip number 2 end + side of a link: that of the pin whose half is at this end.
     [[nodiscard]] double of_tip(Column first, int link, int tip) const noexcept {
         const int pin = tip < rigid_tips / 2 ? link : model.layout().next(link);
         return columns[first + (tip + rigid_tips / 2) % rigid_tips][pin];
@@ -90,7 +90,7 @@ public:
     [[nodiscard]] static ChainKernels kernels() noexcept;
 
     /// Evaluates all pins.
-    /// @param blocks of all pins [pins * link_block]   @param sheaves [4], unused without pulleys
+    /// @param blocks [pins * link_block]   @param sheaves [4], unused without pulleys
     /// @return valid until the next evaluation
     RigidInstant evaluate(const double* blocks, const SheaveMotion* sheaves) const noexcept;
     [[nodiscard]] RigidInstant last() const noexcept { return {model_, columns_, forces_, 0.0}; }  ///< evaluated
@@ -107,15 +107,14 @@ private:
 struct RigidState {
     explicit RigidState(const RigidModel& model);
 
-    /// Takes a state over; velocities are not ahead. @param y [unknowns]
+    /// Reads a state, whose velocities are not ahead. @param y [unknowns]
     void read(const double* y);
-    /// The state at the time of the coordinates. @param y [unknowns]
+    /// Writes the state at the time of the coordinates. @param y [unknowns]
     void write(double* y) const noexcept;
-    /// That part of it which is behind the pins. @param behind [unknowns behind the pins]
+    /// Writes the part of the state that follows the pins. @param behind [unknowns behind the pins]
     void write_tail(double* behind) const noexcept;
     [[nodiscard]] RigidInstant instant() const noexcept { return {model, columns, forces, lead}; }
-    /// The unknowns that a kick changes behind the pulleys' coordinates end here: velocities and integrals. Unknowns of the hydraulics
-    /// drift.
+    /// End of the unknowns behind the pulleys' coordinates that a kick changes: velocities and integrals. The hydraulics' unknowns drift.
     [[nodiscard]] std::size_t kicked_end() const noexcept;
     /// Kinetic energy that the accelerations of the pins would have as velocities, ½ a·M a [J/s²].
     [[nodiscard]] double acceleration_energy() const noexcept;
@@ -126,7 +125,7 @@ struct RigidState {
     RigidForces forces;
     std::vector<double> tail, tail_slope;  ///< pulleys, controls, hydraulics, and their rates [unknowns behind the pins but the ledger]
     std::vector<double> ledger;            ///< losses and works so far, where the state has them [J]
-    double lead = 0.0;                     ///< by which velocities are ahead [s]
+    double lead = 0.0;                     ///< time by which velocities are ahead of coordinates [s]
 };
 
 /// Columns that the pins keep from step to step: first and last of those that follow each other.

@@ -7,7 +7,7 @@ namespace cvtflow::model {
 
 namespace {
 
-/// The detail from which coefficients are taken that both models share: pins that bend in one shape, plates as a pack.
+/// Parameters at the detail that both chains' coefficients share: pins that bend in one shape, plates as a pack.
 [[nodiscard]] Parameters of_one_shape(Parameters p) {
     p.detail.order = 2;
     p.detail.plates = PlateDetail::lumped;
@@ -21,7 +21,7 @@ namespace {
     return sum / static_cast<double>(positions.size());
 }
 
-/// Mean square of the plates' places on a pin that is bent by P_2, against their mean.
+/// Mean square deviation of the plates' places from their mean on a pin that is bent by P_2.
 [[nodiscard]] double mean_square_bow(Parameters p) {
     p.detail.plates = PlateDetail::each;
     double sum = 0.0, squares = 0.0;

@@ -13,31 +13,31 @@ struct RigidCoefficients {
     explicit RigidCoefficients(const Parameters& parameters);
 
     int pins;
-    double mass;          ///< of a pin with its share of plates [kg]
+    double mass;          ///< mass of a pin with its share of plates [kg]
     double tilt_mass;     ///< inertia of the end displacements p and q [kg]
     double slide_mass;    ///< inertia of ζ: a quarter of the mass [kg]
     double bend_mass;     ///< inertia of bending [kg]
     double half_length;   ///< ℓ_p/2 [m]
-    double half_longest;  ///< of the longest pin [m]
-    bool unequal;         ///< pins have lengths of their own
+    double half_longest;  ///< half of the longest pin's length [m]
+    bool unequal;         ///< whether pins differ in length
 
     // Bending of both halves.
     double bend_share;      ///< displacement of the ends against the mean of the plates, per x_2
-    Spring travel, height;  ///< along the direction of travel and across, of displacements of the ends
-    Spring bow;             ///< of a link between pins that bend differently along the travel: plates and joint in series
-    double bend_slope;      ///< of the ends: slope by bending, as a displacement by tilting
+    Spring travel, height;  ///< springs against bending along the direction of travel and across, for displacements of the ends
+    Spring bow;             ///< spring of a link against the bow: plates and joint in series
+    double bend_slope;      ///< q: slope of an end by bending over its slope by tilting, for equal displacements
     double bend_lever;      ///< displacement of a sphere's centre per displacement of the ends by bending
 
     // Links.
     Spring pull;           ///< plates and joint in series
     double plate_square;   ///< mean ξ² of the plates
-    double plate_reach;    ///< ξ̂: its root
+    double plate_reach;    ///< ξ̂: root of plate_square
     double arm, diameter;  ///< c_a = ρ - w/2, 2ρ [m]
     double rolling_arm;    ///< a_r over sqrt(N) [m/√N]
     FrictionCurve plate_friction, joint_friction;
 
     // Tips.
-    double sine, cosine;     ///< of β
+    double sine, cosine;     ///< sin β, cos β
     double radius;           ///< R_p [m]
     double outward;          ///< R_p sin β [m]
     double inverse_reach;    ///< 1/(R_c + R_p) [1/m]
@@ -45,7 +45,7 @@ struct RigidCoefficients {
     double lever;            ///< 1 - (2/ℓ_p) R_p cos β: displacement of a sphere's centre per end displacement
     double hertz, damping;   ///< K of one tip [N/m^1.5], χ_T [s/m]
     double softness;         ///< b = K cos²β/k_e: axial compliance of half a pin beside Hertz's [1/√m]
-    int further_steps;       ///< of Newton's method, for tips that yield more than its start is made for
+    int further_steps;       ///< further iterations of Newton's method, for tips softer than its start is made for
     FrictionCurve tip_friction;
     std::shared_ptr<TipLaw> tip_law;  ///< nullptr: none
     double middle;                    ///< a/2 [m]
@@ -61,7 +61,7 @@ struct RigidCoefficients {
     void fill(const Parameters& parameters, RigidColumns& columns) const;
 
 private:
-    /// Numbers of bending, behind those of the links. @param plate_bow as of Coefficients
+    /// Sets the coefficients of bending; needs `pull`. @param plate_bow Coefficients::plate_bow
     void bend(const Parameters& parameters, double plate_bow);
 };
 

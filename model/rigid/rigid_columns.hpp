@@ -13,9 +13,9 @@ namespace cvtflow::model {
 
 /// Pins that a kernel computes side by side; the same for every instruction set, so that sums have the same order.
 inline constexpr int rigid_lanes = 8;
-inline constexpr int rigid_coordinates = 8;  ///< of a pin: x, y, z, p, q, ζ and two of bending
-inline constexpr int rigid_tips = 4;         ///< of a pin: front half at -z and +z, rear half at -z and +z
-inline constexpr double far_depth = -1.0;    ///< of tips that are far from any sheave [m]
+inline constexpr int rigid_coordinates = 8;  ///< coordinates per pin: x, y, z, p, q, ζ and two of bending
+inline constexpr int rigid_tips = 4;         ///< tips per pin: front half at -z and +z, rear half at -z and +z
+inline constexpr double far_depth = -1.0;    ///< depth of tips that are far from any sheave [m]
 
 /// Quantities of a chain of rigid pins, one array each. Entry i belongs to pin i, or where so said to link i between the pins i and i+1.
 /// Columns of one heading follow each other. (model/EQUATIONS.md section 11; symbols as there)
@@ -56,7 +56,7 @@ enum class Column {
     shear_damping,      ///< d_γ [N·m·s]
     torsion_stiffness,  ///< k_χ [N/m]
     torsion_damping,    ///< d_χ [N·s/m]
-    longer,             ///< λ: by which half of the pin is longer than ℓ_p/2 [m]
+    longer,             ///< λ: excess of half the pin's length over ℓ_p/2 [m]
     // Pitch line of a link.
     line_x,        ///< t_x: direction
     line_y,        ///< t_y: direction
@@ -81,46 +81,46 @@ enum class Column {
     shear_y,  ///< shear, generalised force on q [N]
     bow_x,    ///< opposite of the generalised force on bend_x [N]
     bow_y,    ///< opposite of the generalised force on bend_y [N]
-    tension,  ///< T: of all plates, with damping [N]
+    tension,  ///< T: tension of all plates, with damping [N]
     // Damping forces, kept for the loss of the next step.
-    stretch_damping_force,      ///< of the plates of a link against ε' [N]
-    yaw_damping_force,          ///< of a link against ψ' [N]
-    torsion_damping_force,      ///< of a link against χ' [N]
-    shear_damping_force,        ///< of a link against γ' [N·m]
-    bow_damping_force,          ///< of a link against the bow's rate [N]
-    bend_damping_force_along,   ///< of a pin against bending along the travel [N]
-    bend_damping_force_across,  ///< of a pin against bending across it [N]
-    guide_damping_force,        ///< of a guide against a pin's approach [N]
-    guide_friction,             ///< of a guide against a pin's speed along the strand [N]
+    stretch_damping_force,      ///< force against the rate ε' of a link's plates [N]
+    yaw_damping_force,          ///< force against the rate ψ' of a link [N]
+    torsion_damping_force,      ///< force against the rate χ' of a link [N]
+    shear_damping_force,        ///< moment against the rate γ' of a link [N·m]
+    bow_damping_force,          ///< force against the bow rate of a link [N]
+    bend_damping_force_along,   ///< force against the rate of a pin's bending along the travel [N]
+    bend_damping_force_across,  ///< force against the rate of a pin's bending across the travel [N]
+    guide_damping_force,        ///< force of a guide against a pin's approach [N]
+    guide_friction,             ///< force of a guide against a pin's speed along the strand [N]
     // Joint between the halves of a pin.
     offset_moment_x,  ///< A g of the links' forces, x [N·m]
     offset_moment_y,  ///< A g of the links' forces, y [N·m]
     rolling_moment,   ///< resistance to rolling [N·m]
-    bend_moment,      ///< of bending on each of both pitch lines [N·m]
+    bend_moment,      ///< moment of a pin's bending on each of its two pitch lines [N·m]
     joint_normal,     ///< N_j: normal force between the halves [N]
-    // Forces on a pin by links and its bending, without friction along it, in the order of the coordinates.
-    force_x,       ///< on x [N]
-    force_y,       ///< on y [N]
-    force_z,       ///< on z [N]
-    force_p,       ///< on p [N]
-    force_q,       ///< on q [N]
-    force_slide,   ///< on ζ [N]
-    force_bend_x,  ///< on bend_x [N]
-    force_bend_y,  ///< on bend_y [N]
+    // Forces on a pin by links and its bending, without friction along it, in the order of the coordinates [N].
+    force_x,
+    force_y,
+    force_z,
+    force_p,
+    force_q,
+    force_slide,
+    force_bend_x,
+    force_bend_y,
     // Friction between the plates of link i and its pins along z. Low and high: half of the plates each, at -z and at +z.
-    plate_friction,                ///< P: of all plates [N]
-    plate_friction_moment,         ///< of the plates at +z less that of those at -z [N]
+    plate_friction,                ///< P: friction of all plates [N]
+    plate_friction_moment,         ///< Π: friction of the plates at +z less that of those at -z [N]
     plate_friction_before,         ///< P of the last step [N]
-    plate_friction_moment_before,  ///< moment of the last step [N]
+    plate_friction_moment_before,  ///< Π of the last step [N]
     plate_slip_low,                ///< |sliding speed| at the end of the step [m/s]
     plate_slip_high,               ///< |sliding speed| at the end of the step [m/s]
     plate_free_slip,               ///< sliding speed without plate friction [m/s]
     plate_rhs,                     ///< B: friction of the free sliding speeds [N]
     plate_secant,                  ///< F: friction per sliding speed, of all plates [N·s/m]
-    plate_secant_high,             ///< friction per sliding speed, of those at +z [N·s/m]
+    plate_secant_high,             ///< friction per sliding speed of the plates at +z [N·s/m]
     // Friction between the halves of a pin along z.
-    joint_friction,            ///< on ζ, opposite [N]
-    joint_friction_before,     ///< that of the last step [N]
+    joint_friction,            ///< J: friction against ζ' [N]
+    joint_friction_before,     ///< J of the last step [N]
     joint_slip,                ///< |ζ'| at the end of the step [m/s]
     joint_free_slip,           ///< ζ' without this friction [m/s]
     joint_secant,              ///< friction per free sliding speed [N·s/m]
@@ -140,29 +140,29 @@ enum class Column {
     written,  ///< tips' columns were written: 1 in the last step, 2 in this one, 0 not
     // Contact of a pin's tips as a whole. Depth holds for velocities as they are (RigidKick), too.
     tip_depth,                                     ///< [4] δ_0: depth of each tip, `far_depth` of pins that certainly do not touch [m]
-    tip_stiffness_front = tip_depth + rigid_tips,  ///< of the front half along z, against its moving [N/m]
-    tip_stiffness_rear,                            ///< of the rear half [N/m]
+    tip_stiffness_front = tip_depth + rigid_tips,  ///< stiffness of the front half's tips against its motion along z [N/m]
+    tip_stiffness_rear,                            ///< stiffness of the rear half's tips [N/m]
     tip_loading_front,                             ///< rate of the force on the front half if it stood still along z [N/s]
     tip_loading_rear,                              ///< rate of the force on the rear half [N/s]
     tip_offset_moment_x,                           ///< A g of the tips' forces, x [N·m]
     tip_offset_moment_y,                           ///< A g of the tips' forces, y [N·m]
-    tip_moment_front,                              ///< of the front half's tips on the pitch line behind the pin [N·m]
-    tip_moment_rear,                               ///< of the rear half's tips on the pitch line ahead [N·m]
-    tip_moment,                                    ///< of all tips on pitch line i [N·m]
-    tip_moment_before,                             ///< that of the last step [N·m]
-    // Forces of a pin's tips on it, in the order of the coordinates.
-    tip_force_x,       ///< on x [N]
-    tip_force_y,       ///< on y [N]
-    tip_force_z,       ///< on z [N]
-    tip_force_p,       ///< on p [N]
-    tip_force_q,       ///< on q [N]
-    tip_force_slide,   ///< on ζ [N]
-    tip_force_bend_x,  ///< on bend_x [N]
-    tip_force_bend_y,  ///< on bend_y [N]
-    lengthening,       ///< e': outward velocity of an end against the middle as the pin lengthens, mean of halves and ends [m/s]
+    tip_moment_front,                              ///< moment of the front half's tips on the pitch line behind the pin [N·m]
+    tip_moment_rear,                               ///< moment of the rear half's tips on the pitch line ahead of the pin [N·m]
+    tip_moment,                                    ///< moment of all tips on pitch line i [N·m]
+    tip_moment_before,                             ///< tip_moment of the last step [N·m]
+    // Forces of a pin's tips on it, in the order of the coordinates [N].
+    tip_force_x,
+    tip_force_y,
+    tip_force_z,
+    tip_force_p,
+    tip_force_q,
+    tip_force_slide,
+    tip_force_bend_x,
+    tip_force_bend_y,
+    lengthening,  ///< e': outward velocity of an end against the middle as the pin lengthens, mean of halves and ends [m/s]
     // Force of each tip, [4]: front half at -z and +z, rear half at -z and +z.
     tip_normal,                                       ///< [4] N: normal force [N]
-    tip_damping_force = tip_normal + rigid_tips,      ///< [4] damping part of it [N]
+    tip_damping_force = tip_normal + rigid_tips,      ///< [4] damping part of the normal force [N]
     tip_tangential = tip_damping_force + rigid_tips,  ///< [4] friction on the pin along the circumference [N]
     tip_radial = tip_tangential + rigid_tips,         ///< [4] friction on the pin along the flank [N]
     // Each tip, for observation.

@@ -8,7 +8,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// Adds to the forces on the middles of the pins.
+/// Adds the guides' forces to those on the middles of the pins.
 inline void guide_pins(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
     const RigidView columns(all);
     PinSum stored(columns), lost(columns);

@@ -26,20 +26,20 @@ struct RigidReaction {
 
 /// Sums for an observation. Pairs: of pins at the driving and the driven shaft, or of links in the strand at y ≥ 0 and at y < 0.
 struct RigidSums {
-    double speed = 0.0;                    ///< of all pins' middles in their plane [m/s]
-    std::array<double, 2> radius{};        ///< of the pins between sheaves, about the shaft's axis [m]
-    std::array<double, 2> turning{};       ///< their angular speeds about it [rad/s]
-    std::array<double, 2> pins{};          ///< how many
+    double speed = 0.0;                    ///< speeds of all pins' middles in their plane [m/s]
+    std::array<double, 2> radius{};        ///< distances of the pins between sheaves from the shaft's axis [m]
+    std::array<double, 2> turning{};       ///< angular speeds of these pins about the axis [rad/s]
+    std::array<double, 2> pins{};          ///< number of these pins
     std::array<double, 2> tension{};       ///< elastic tensions of the inner links of a strand [N]
-    std::array<double, 2> links{};         ///< how many
-    double touching = 0.0;                 ///< tips that press
-    std::array<double, 2> hold{}, drag{};  ///< see Creep (model/observe/chain_forces.hpp) [N·m·s], [N·m]
+    std::array<double, 2> links{};         ///< number of these links
+    double touching = 0.0;                 ///< number of tips that press
+    std::array<double, 2> hold{}, drag{};  ///< sums of Creep (model/observe/observation.hpp) [N·m·s], [N·m]
     double creep_power = 0.0;              ///< [W]
 };
 
 /// Each function reads and writes columns of all pins; the caller renews the copies of neighbours in between.
 struct RigidKernels {
-    /// Pitch lines from coordinates and velocities.
+    /// Pitch lines by coordinates and velocities.
     void (*pitch_lines)(RigidColumns& columns) noexcept;
     /// Directions and offsets of the halves that roll on each other, from the pitch lines.
     void (*rolling_frames)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
@@ -53,27 +53,27 @@ struct RigidKernels {
     void (*guide)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Rates at which pins lengthen along their axes, of velocities as they are. @param sheaves [4]
     void (*axial_rates)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept;
-    /// Friction of plates along the pins, which lengthen meanwhile: in a step, as they did in the last one.
+    /// Friction of plates along the pins, which lengthen at the same time: in a step, at the rate of the last one.
     void (*plate_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Normal forces and friction of the tips. @param sheaves [4]
     void (*tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                  RigidReaction& reaction, Account& account) noexcept;
-    /// Friction of the halves of a pin on each other, behind the tips.
+    /// Friction of the halves of a pin on each other, after the tips.
     void (*joint_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Moments of the tips on the pitch lines.
     void (*moments)(RigidColumns& columns) noexcept;
     /// Accelerations by the sum of all forces.
     void (*accelerate)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
-    /// Coordinates by velocities over a time [s].
+    /// Moves coordinates by velocities over a time [s].
     void (*drift)(double step, RigidColumns& columns) noexcept;
-    /// Velocities by accelerations over a time [s]. @return ½ v·M v' of the pins' velocities before and after, which a leapfrog conserves
-    /// in any linear oscillation [J]
+    /// Changes velocities by accelerations over a time [s]. @return ½ v·M v' of the pins' velocities before and after, which a leapfrog
+    /// conserves in any linear oscillation [J]
     double (*kick)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
     /// Depths of the tips of pins 0 … 7 [m]. @param depth [tips][8]
     void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept;
-    /// How many pins' tips number `tip` press that did not, or the other way round; pins that fill the last vector count.
+    /// Number of pins whose tip number `tip` began or ceased to press; pins that fill the last vector count.
     double (*contact_changes)(RigidColumns& columns, int tip) noexcept;
-    /// Sums over pins and tips. @param lead by which velocities are ahead of coordinates [s]
+    /// Sums over pins and tips. @param lead time by which velocities are ahead of coordinates [s]
     void (*observe)(const RigidCoefficients& c, double lead, const RigidColumns& columns, RigidSums& sums) noexcept;
 };
 

@@ -22,7 +22,7 @@ inline void pitch_lines(RigidColumns& all) noexcept {
     }
 }
 
-/// A f = along f - across b (b·f): what the offset of the halves changes by where the sum of the directions changes by f.
+/// A f = along f - across b (b·f): change of the halves' offset by a change f of the sum of the directions.
 struct Rolling {
     Plane bisector;
     PinLanes along, across;
@@ -50,19 +50,19 @@ inline void rolling_frames(const RigidCoefficients& c, RigidColumns& all) noexce
     }
 }
 
-/// Where the halves of a link are to each other, and how that changes.
+/// Place of a link's halves against each other, and its rates.
 struct LinkMotion {
-    Plane t, n;                      ///< along the link, and k×t
+    Plane t, n;                      ///< direction of the link, and k×t
     PinLanes inverse, turn;          ///< 1/|d| [1/m], turning rate [rad/s]
     PinLanes length_rate;            ///< |d|' [m/s]
     PinLanes stretch, stretch_rate;  ///< ε [m]
     PinLanes yaw, yaw_rate;          ///< ψ: difference of the end displacements along the link [m]
-    PinLanes roll, roll_rate;        ///< χ: across it [m]
+    PinLanes roll, roll_rate;        ///< χ: difference of the end displacements across the link [m]
     PinLanes lean, lean_across;      ///< sum of the end displacements, along and across [m]
     PinLanes rise, rise_rate;        ///< Δz of the halves [m]
     PinLanes shear, shear_rate;      ///< [rad]
     PinLanes bow, bow_rate;          ///< difference of the displacements by bending along the link [m]
-    PinLanes bow_across;             ///< and across it [m]
+    PinLanes bow_across;             ///< difference of these displacements across the link [m]
 };
 
 /// Displacement of the halves of link i along z: the front half of pin i+1 against the rear half of pin i. @param mean, slide columns of z

@@ -12,8 +12,8 @@
 namespace cvtflow::model {
 namespace {
 
-/// How the links of the chain are shared out over lanes: lane L has links begin(L) … begin(L + 1) - 1, in the last of its rows; rows in
-/// front of them are absent. A chain of fewer than 8 links is repeated, which does not change the solution.
+/// Distribution of the chain's links over lanes: lane L has links begin(L) … begin(L + 1) - 1, in the last of its rows; rows before them
+/// are absent. A chain of fewer than 8 links is repeated, which does not change the solution.
 struct RingShares {
     int pins, links, rows;
 
@@ -104,7 +104,7 @@ inline void solve_ring(const RingShares& shares, double a, const RigidView& colu
     }
 }
 
-/// Friction of the velocities that the step leaves behind, by the friction per speed that the last step has left.
+/// Solves for the friction at the end of the step, with the friction per speed of the last step.
 inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept {
     const RingShares shares(columns.pins());
     columns.wrap(Column::plate_rhs, Column::plate_secant);
@@ -134,7 +134,7 @@ inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept
 constexpr double expected_share = 0.75;
 
 /// Velocities of the pins and of their halves on each other along z, and the friction per speed of the halves, before plates rub. Forces of
-/// the tips are those of the last step and what is expected to be added since.
+/// the tips are those of the last step and their expected change.
 inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
     const RigidView columns(all);
     const PinLanes half_step(0.5 * expected_share * kick.step), per_slide(kick.step / c.slide_mass), per_mass(kick.step / c.mass);
@@ -161,7 +161,7 @@ inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, RigidC
     all.wrap(Column::joint_free_slip, Column::tip_force_slide_expected);
 }
 
-/// Friction of the halves of a pin on each other along it, behind that of the plates on both and with the tips' forces as expected.
+/// Friction of the halves of a pin on each other along it, after that of the plates on both and with the expected forces of the tips.
 inline void joint_friction_expected(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
     const RigidView columns(all);
     const PinLanes per_slide(kick.step / c.slide_mass);
@@ -204,8 +204,8 @@ inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
            ahead * (friction + read(columns, Column::plate_friction, i + 1)) - 4.0 * friction;
 }
 
-/// Plates of neighbouring links rub along the pin that they share, and its halves on each other. The sliding speeds that a step leaves
-/// behind are kept for the next one. The loss by the pins' lengthening is counted with the tips that do its work.
+/// Friction of the plates of neighbouring links along the pin that they share, and of its halves on each other. The sliding speeds at the
+/// end of the step are kept for the next one. The loss by the pins' lengthening is counted with the tips that do its work.
 inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
     const RigidView columns(all);
     PinSum lost(columns);

@@ -1,6 +1,6 @@
 #pragma once
-/// One tip of rigid pins side by side: where it is on its sheave, its normal force, its sliding velocity, what it does to both, and how its
-/// force along z changes as its half moves. (model/EQUATIONS.md section 11)
+/// One tip of rigid pins side by side: place on its sheave, normal force, sliding velocity, effect on both bodies, and change of its force
+/// along z as its half moves. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 
@@ -13,7 +13,7 @@ template <int W>
 struct TipPlace {
     PlaneOf<W> point;  ///< P - O
     Lanes<W> point_z;
-    Lanes<W> inverse_radius;  ///< of the sphere's centre [1/m]
+    Lanes<W> inverse_radius;  ///< inverse distance of the sphere's centre from the axis [1/m]
     PlaneOf<W> radial;        ///< unit vector from the axis to the sphere's centre, in the sheave's frame
     Lanes<W> out, in;         ///< ν_r, ν_z: components of the normal, outward and towards the other sheave
     PlaneOf<W> normal;        ///< G
@@ -47,8 +47,8 @@ struct TipBounds {
     }
 };
 
-/// Place, normal and depth. A depth is a thousandth of the lengths that it is the difference of: the distances of half and end from the
-/// flank are doubles, and what the tip adds to them is small.
+/// Place, normal and depth. A depth is a difference of lengths a thousand times as large: the distances of half and end from the flank are
+/// doubles, and the tip's part of them is small.
 template <int W>
 [[gnu::always_inline]] inline void place_tip(const RigidCoefficients& c, const TipNumbers<W>& n, const HalfMotion<W>& half,
                                              const SideMotion<W>& sheave, TipPlace<W>& tip) noexcept {
@@ -95,7 +95,7 @@ template <int W>
 struct RigidNormalForce {
     Lanes<W> elastic, force;  ///< N_e, N [N]
     Lanes<W> energy;          ///< [J]
-    Lanes<W> shortening;      ///< η: of the half pin per depth
+    Lanes<W> shortening;      ///< η: shortening of the half pin per depth
     Lanes<W> root_depth;      ///< √δ of Hertz' part of the depth [√m]
 };
 
@@ -138,14 +138,14 @@ struct RigidSlip {
     friend RigidSlip operator*(const Lanes<W>& f, const RigidSlip& a) noexcept { return {f * a.tangential, f * a.radial}; }
 };
 
-/// Sliding velocity that a velocity of the pin against the sheave is.
+/// Components along circumference and flank of a velocity of the pin against the sheave.
 template <int W>
 [[nodiscard, gnu::always_inline]] inline RigidSlip<W> slip_of(double side, const TipPlace<W>& tip, const PlaneOf<W>& v,
                                                               const Lanes<W>& v_z) noexcept {
     return {cross(tip.radial, v), tip.in * dot(tip.radial, v) + Lanes<W>(side) * (tip.out * v_z)};
 }
 
-/// The sphere's centre moves almost as the sheave does there: that difference is taken in doubles.
+/// Sliding velocity. The sphere's centre moves almost like the sheave there: the difference is taken in doubles.
 /// @param shortening_rate of the half pin [m/s]
 template <int W>
 [[nodiscard, gnu::always_inline]] inline RigidSlip<W> tip_slip(const TipNumbers<W>& c, const HalfMotion<W>& half,
@@ -158,7 +158,7 @@ template <int W>
     return slip_of<W>(sheave.side, tip, v, sheave.velocity_z + half.ahead - Lanes<W>(sheave.side) * shortening_rate - surface_z);
 }
 
-/// A tip's force on its pin: normal force, which the friction's share of the half pin's shortening adds to, and friction.
+/// Force of a tip on its pin: friction, and the normal force N_G, which includes the effect of friction on the half pin's shortening.
 template <int W>
 struct RigidTipForce {
     Lanes<W> normal;
@@ -166,7 +166,7 @@ struct RigidTipForce {
     Lanes<W> push_z, friction_z;
 };
 
-/// @param pull what plates lengthen the pin with, of one tip [N]
+/// @param pull Λ/4: a tip's part of the plates' force that lengthens the pin [N]
 template <int W>
 [[nodiscard, gnu::always_inline]] inline RigidTipForce<W> rigid_tip_force(double side, const TipPlace<W>& tip, const RigidNormalForce<W>& n,
                                                                           const Lanes<W>& pull, const RigidSlip<W>& friction) noexcept {
@@ -216,7 +216,7 @@ template <int W>
 /// Response of both tips of a half, over the stiffness of a tip per η.
 template <int W>
 struct AxialResponse {
-    Lanes<W> stiffness{0.0};  ///< against moving along z
+    Lanes<W> stiffness{0.0};  ///< stiffness against motion along z
     Lanes<W> loading{0.0};    ///< rate of change of the force [m/s]
 
     /// @param rate δ_0' [m/s]
@@ -224,7 +224,7 @@ struct AxialResponse {
         stiffness += n.shortening * (tip.in * tip.in);
         loading += n.shortening * (rate * tip.normal_z);
     }
-    /// Rate of change if the half stood still along z. @param speed of the half along z [m/s]
+    /// Rate of change if the half stood still along z. @param speed velocity of the half along z [m/s]
     [[nodiscard, gnu::always_inline]] Lanes<W> loading_at_rest(const Lanes<W>& speed) const noexcept { return loading + stiffness * speed; }
 };
 

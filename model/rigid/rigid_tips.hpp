@@ -1,6 +1,6 @@
 #pragma once
-/// The four tips of pins side by side: where they are, normal forces, friction, and their sums on pins and sheaves; of all pins of the
-/// chain that may touch. (model/EQUATIONS.md section 11)
+/// The four tips of pins side by side, of all pins of the chain that may touch: places, normal forces, friction, and their sums on pins and
+/// sheaves. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 
@@ -129,7 +129,7 @@ public:
     }
 
 private:
-    /// As drag_power().
+    /// drag_power() in the width W.
     [[nodiscard, gnu::always_inline]] V damping_power(Column c, const V& force, const V& rate) noexcept {
         const V acting = implicit ? 0.5 * (force + convert<W>(read_pins(c))) : force;
         write_pins(c, widened<W>(force));
@@ -149,7 +149,7 @@ private:
         return {convert<W>(read_pins(Column::tip_tangential + number)), convert<W>(read_pins(Column::tip_radial + number))};
     }
 
-    /// Sliding velocity with the change of the velocities: the pin has moved on by half a step as well.
+    /// Sliding velocity after the change of the velocities: the pin has moved by half a step as well.
     [[nodiscard]] RigidSlip<W> slip_now(std::size_t tip) const noexcept {
         const SideMotion<W>& side = side_[end_of_tip(tip)];
         const PlaneV ends = velocity_change_ + bend_velocity_change_ + (V(side.side) * end_velocity_change_ - side.moved_on);
@@ -157,8 +157,8 @@ private:
         return begin_[tip] + slip_of<W>(side.side, tips_[tip], change, velocity_change_z_[half_of_tip(tip)]);
     }
 
-    /// Friction now, one contact of a pin after the other, each with the velocities that those before it leave. The velocity that its
-    /// friction of the last step leaves is corrected by r times the change, r its own response.
+    /// Friction at the end of the step, one contact of a pin after the other, each with the velocities after those before it. The velocity
+    /// after the friction of the last step is corrected by r times the change of friction, r the contact's response.
     [[nodiscard, gnu::always_inline]] RigidSlip<W> friction(std::size_t tip, V& lost) noexcept {
         const RigidSlip<W> old = memory(tip);
         const RigidSlip<W> free = implicit ? slip_now(tip) - n_.response * old : begin_[tip];
@@ -174,8 +174,8 @@ private:
         return force;
     }
 
-    /// Most friction of a tip, by its law at the speed that friction leaves, or at the remembered one.
-    /// @param old friction of the last step   @param v without friction
+    /// Largest friction of a tip, by its law at the speed under friction, or at the remembered one.
+    /// @param old friction of the last step   @param v speed without friction
     [[nodiscard, gnu::always_inline]] V friction_limit(std::size_t tip, const RigidSlip<W>& old, const V& v) noexcept {
         const RigidNormalForce<W>& n = normal_[tip];
         const V limit = c_.tip_friction.coefficient * n.force;
@@ -201,7 +201,7 @@ private:
         return remembered;
     }
 
-    /// Velocities behind a change of a tip's friction.
+    /// Changes the velocities by a change of a tip's friction.
     [[gnu::always_inline]] void follow(std::size_t tip, const RigidSlip<W>& change) noexcept {
         const TipPlace<W>& place = tips_[tip];
         const PlaneV f = change.tangential * turned(place.radial) + (change.radial * place.in) * place.radial;
@@ -234,12 +234,12 @@ private:
         for (int k = 0; k < rigid_coordinates; ++k) write_pins(Column::tip_force_x + k, widened<W>(forces[k]));
     }
 
-    PlaneV velocity_change_, end_velocity_change_, bend_velocity_change_;  ///< in this step [m/s]
-    V velocity_change_z_[2], free_share_;  ///< of the halves; share of a force parting them that friction between them leaves
+    PlaneV velocity_change_, end_velocity_change_, bend_velocity_change_;  ///< changes in this step [m/s]
+    V velocity_change_z_[2], free_share_;  ///< changes of both halves; share of a parting force that friction between the halves leaves
     TipPlace<W> tips_[rigid_tips];
     RigidNormalForce<W> normal_[rigid_tips];
-    V pull_;                          ///< a fourth of what plates lengthen the pin with [N]
-    RigidSlip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step
+    V pull_;                          ///< Λ/4: a quarter of the force of plates that lengthens the pin [N]
+    RigidSlip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step [m/s]
 };
 
 /// Sums over the tips of a whole chain.
@@ -277,7 +277,7 @@ private:
     TipBounds<W> bounds_;
 };
 
-/// Two blocks at a time.
+/// Presses the tips of near pins, two blocks at a time.
 inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                             RigidReaction& reaction, Account& account) noexcept {
     find_near_pins(c, sheaves, kick, columns);
@@ -323,7 +323,7 @@ inline double contact_changes(RigidColumns& all, int tip) noexcept {
     return sum<rigid_lanes>(changes);
 }
 
-/// Finds the pins that may touch, and presses their tips for the rates at which they lengthen; plates wait for these.
+/// Finds the pins that may touch, and presses their tips for the rates at which they lengthen, which the friction of plates needs.
 inline void axial_rates(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept {
     const RigidKick kick;
     find_near_pins(c, sheaves, kick, columns);

@@ -1,6 +1,5 @@
 #pragma once
-/// Plane vectors of pins side by side, how columns are read and written, sums over pins, and friction of a contact. (model/EQUATIONS.md
-/// section 11)
+/// Plane vectors of pins side by side, access to columns, sums over pins, and friction of a contact. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 #include <array>
@@ -15,8 +14,8 @@ namespace {
 
 using PinLanes = Lanes<rigid_lanes>;
 
-/// Numbers of tips in a step: floats, after differences of places and velocities in doubles. Twice as many pins side by side, as each waits
-/// for roots and divisions most of the time.
+/// Width of tips in a step: floats, after differences of places and velocities in doubles. Twice as many pins are side by side, since roots
+/// and divisions take most of the time.
 inline constexpr int rigid_singles = singles<2 * rigid_lanes>;
 
 template <int W>
@@ -33,13 +32,13 @@ struct PlaneOf {
 };
 using Plane = PlaneOf<rigid_lanes>;
 
-/// As many doubles as a width has numbers.
+/// Doubles, as many as a vector of width W has lanes.
 template <int W>
 using DoublesOf = Lanes<lane_count<W>>;
 template <int W>
 using DoublePlaneOf = PlaneOf<lane_count<W>>;
 
-/// Doubles as numbers of a width.
+/// Converts doubles to the width W.
 template <int W>
 [[nodiscard, gnu::always_inline]] inline Lanes<W> convert(const DoublesOf<W>& v) noexcept {
     if constexpr (is_single<W>) {
@@ -52,7 +51,7 @@ template <int W>
 [[nodiscard, gnu::always_inline]] inline PlaneOf<W> convert(const DoublePlaneOf<W>& v) noexcept {
     return {convert<W>(v.x), convert<W>(v.y)};
 }
-/// Numbers of a width as doubles.
+/// Converts numbers of the width W to doubles.
 template <int W>
 [[nodiscard, gnu::always_inline]] inline DoublesOf<W> widened(const Lanes<W>& v) noexcept {
     if constexpr (is_single<W>) {
@@ -67,7 +66,7 @@ template <class C>
 [[nodiscard, gnu::always_inline]] inline PinLanes read(const C& columns, Column c, int i) noexcept {
     return load<rigid_lanes>(columns[c] + i);
 }
-/// A column and the one behind it.
+/// Plane vectors from a column and the next one.
 template <class C>
 [[nodiscard, gnu::always_inline]] inline Plane read_plane(const C& columns, Column c, int i) noexcept {
     return {read(columns, c, i), read(columns, c + 1, i)};
@@ -106,8 +105,8 @@ template <int from, int W = rigid_lanes>
     return {lanes_across<rigid_lanes - 1>(before.x, now.x), lanes_across<rigid_lanes - 1>(before.y, now.y)};
 }
 
-/// Power that a damping force takes away, and the force into its column. A force acts over a step, and the velocity that begins it is
-/// the one that ended the step before: its share of the work is the mean of both steps' forces times it.
+/// Power that a damping force dissipates; writes the force to its column. A velocity between two steps works with the mean of both steps'
+/// forces.
 template <class C>
 [[nodiscard, gnu::always_inline]] inline PinLanes drag_power(const RigidKick& kick, C& columns, Column c, int i, const PinLanes& force,
                                                              const PinLanes& rate) noexcept {
@@ -127,7 +126,7 @@ template <class C>
     return first_lanes(std::min(rigid_lanes, pins - first));
 }
 
-/// A sum over pins, without those that only fill the last vector.
+/// Sum over pins, without those that only fill the last vector.
 class PinSum {
 public:
     template <class C>
@@ -141,7 +140,7 @@ private:
     PinLanes total_{0.0};
 };
 
-/// Sums over pins of what their tips do to the four sheaves.
+/// Sums over pins of the forces of their tips on the four sheaves.
 template <int W>
 class ReactionSum {
 public:

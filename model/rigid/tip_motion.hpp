@@ -14,11 +14,11 @@
 namespace cvtflow::model {
 namespace {
 
-/// Pins side by side, of which the first `count` are meant: the others, if any, are copies or are in another block as well.
+/// Pins side by side, of which the first `count` are valid: the others, if any, are copies or are in another block as well.
 struct PinBlock {
     int first, count;
 
-    /// 1 for pins that are meant.
+    /// 1 for the first `count` pins, 0 for the others.
     [[nodiscard, gnu::always_inline]] PinLanes present() const noexcept { return first_lanes(count); }
 };
 
@@ -28,7 +28,7 @@ struct PinBlock {
 }
 
 /// Columns of pins side by side, in blocks of eight.
-/// @tparam W width of what is computed from them
+/// @tparam W width of the results
 template <int W>
 class PinBlocks {
 public:
@@ -62,13 +62,13 @@ protected:
             return half<lanes>(values, block);
         }
     }
-    /// Calls visit(block) for each of them, its number known when this is compiled.
+    /// Calls visit(block) for each block, whose number is a compile-time constant.
     template <class Visit>
     [[gnu::always_inline]] static void over_blocks(const Visit& visit) noexcept {
         visit(std::integral_constant<int, 0>{});
         if constexpr (blocks == 2) visit(std::integral_constant<int, 1>{});
     }
-    /// 1 for pins that are meant.
+    /// 1 for valid pins, 0 for the others.
     [[nodiscard, gnu::always_inline]] Lanes<W> present() const noexcept {
         if constexpr (blocks == 1) {
             return own_[0].present();
@@ -82,7 +82,7 @@ protected:
     Blocks own_;
 };
 
-/// Numbers of all tips, as wide as what is computed with them: derived once per pass and not for each tip.
+/// Numbers of all tips in the width W: derived once per pass and not for each tip.
 template <int W>
 struct TipNumbers {
     TipNumbers(const RigidCoefficients& c, const RigidKick& kick) noexcept
@@ -108,58 +108,58 @@ struct TipNumbers {
           response(1.1 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
           further_steps(c.further_steps + (kick.implicit() ? 0 : 2)) {}
 
-    Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< as of RigidCoefficients
+    Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< copies of members of RigidCoefficients
     Lanes<W> inward;                                                                       ///< R_p cos β [m]
-    Lanes<W> stiffness;                                                                    ///< of a tip against depth, per η [N/m]
+    Lanes<W> stiffness;                                                                    ///< dN/dδ_0 of a tip over η [N/m]
     Lanes<W> outward_per_half;                                                             ///< R_p sin β/(ℓ_p/2)
     Lanes<W> per_half;                                                                     ///< 1/(ℓ_p/2) [1/m]
-    Lanes<W> bend_lever;                                                                   ///< as of RigidCoefficients
-    Lanes<W> bent_outward_per_half, bent_per_half;                                         ///< the same for bending
+    Lanes<W> bend_lever;                                                                   ///< copy of the member of RigidCoefficients
+    Lanes<W> bent_outward_per_half, bent_per_half;                                         ///< outward_per_half and per_half for bending
     Lanes<W> per_mass, per_half_mass, per_tilt, per_bend;                                  ///< velocity per force over the step [m/s/N]
-    Lanes<W> response;  ///< of the sliding velocity to friction, with some room for neighbours [m/s/N]
-    int further_steps;  ///< of Newton's method
+    Lanes<W> response;  ///< response of the sliding velocity to friction, with a margin for neighbours [m/s/N]
+    int further_steps;  ///< further iterations of Newton's method
 };
 
-/// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Tips are gone through by loops, in steps
-/// of the same length: written out one by one, they would be more than the processor keeps of decoded instructions.
+/// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Loops over tips are not unrolled: the
+/// code would exceed the processor's cache of decoded instructions.
 [[nodiscard]] constexpr std::size_t half_of_tip(std::size_t tip) noexcept { return tip / 2; }
 [[nodiscard]] constexpr std::size_t end_of_tip(std::size_t tip) noexcept { return tip % 2; }
 /// Number of a half's pitch line against the pin's, and its share of the halves' offset from each other.
 [[nodiscard]] constexpr int line_of(std::size_t half) noexcept { return half == 0 ? -1 : 0; }
 [[nodiscard]] constexpr double share_of(std::size_t half) noexcept { return half == 0 ? 0.5 : -0.5; }
 
-/// A pin half, and what it gives to the motion of its tips.
+/// Contributions of a pin half to place and motion of its tips.
 template <int W>
 struct HalfMotion {
     PlaneOf<W> line, outward;            ///< t and o of its pitch line
     PlaneOf<W> sphere;                   ///< R_p sin β o
-    DoublePlaneOf<W> place;              ///< of its spheres at the middle of the pin, from the origin of the sheave at -z
-    PlaneOf<W> centre;                   ///< the same
-    Lanes<W> distance, excess;           ///< |centre|, and less its length where a tip's sphere touches the flank's middle [m]
-    DoublesOf<W> clearance;              ///< what excess adds to the distance from the flank [m]
-    Lanes<W> rise;                       ///< of the pin's middle above the half's sphere: R_p sin β σ·o ∓ ζ/2 [m]
-    Lanes<W> bend_rise;                  ///< the same by bending and by the pin's length, at +z [m]
-    Lanes<W> turn, lag;                  ///< θ', and what the sheave at -z turns faster [rad/s]
+    DoublePlaneOf<W> place;              ///< sphere's centre at the middle of the pin, from the origin of the sheave at -z [m]
+    PlaneOf<W> centre;                   ///< place, rounded to the width W
+    Lanes<W> distance, excess;           ///< |centre|, and |centre| - touching_radius [m]
+    DoublesOf<W> clearance;              ///< sin β excess: part of the distance from the flank [m]
+    Lanes<W> rise;                       ///< height of the pin's middle above the half's sphere: R_p sin β σ·o ∓ ζ/2 [m]
+    Lanes<W> bend_rise;                  ///< part of this height by bending and by the pin's length, at +z [m]
+    Lanes<W> turn, lag;                  ///< θ', and spin of the sheave at -z less θ' [rad/s]
     Lanes<W> slope_along, bend_along;    ///< σ·t by tilting, by bending at +z [rad]
-    PlaneOf<W> velocity, drift;          ///< of the half's middle, with that of R_p sin β o; against the sheave at -z, without its tilting
+    PlaneOf<W> velocity, drift;          ///< velocity of `place`; the same against the sheave at -z, without its tilting [m/s]
     Lanes<W> ahead;                      ///< velocity along z against the pin's middle, ±ζ'/2 [m/s]
-    Lanes<W> rise_rate, bend_rise_rate;  ///< without the change of σ·t [m/s]
+    Lanes<W> rise_rate, bend_rise_rate;  ///< rates of rise and bend_rise [m/s]
 };
 
-/// The sheaves of one side as pins side by side see them, and what that end of the pins gives to the motion of its tips.
+/// Contributions of one side's sheaves and pin ends to place and motion of the tips there.
 template <int W>
 struct SideMotion {
     double side;                 ///< ±1: -z or +z
-    PlaneOf<W> arm;              ///< of a sphere's centre against that of its half, from where this sheave is against that at -z
-    PlaneOf<W> sphere;           ///< of it against the pin's end
-    Lanes<W> z, height;          ///< from where the undisplaced flank plane is; the same inwards [m]
-    DoublesOf<W> clearance;      ///< what height adds to the distance from the flank [m]
+    PlaneOf<W> arm;              ///< sphere's centre from `place`, less the displacement of this sheave against that at -z [m]
+    PlaneOf<W> sphere;           ///< sphere's centre from the pin's end, without the half's part [m]
+    Lanes<W> z, height;          ///< z of the pin's end from the flank plane's centre; the same inwards [m]
+    DoublesOf<W> clearance;      ///< cos β height: part of the distance from the flank [m]
     Lanes<W> tilt_x, tilt_y;     ///< [rad]
-    PlaneOf<W> velocity;         ///< of the pin's end against the sheave, without what the half gives
-    PlaneOf<W> sphere_velocity;  ///< of a sphere's centre against the sheave's origin, likewise
+    PlaneOf<W> velocity;         ///< velocity of the pin's end against the sheave, without the half's part [m/s]
+    PlaneOf<W> sphere_velocity;  ///< velocity of a sphere's centre against the sheave's origin, without the half's part [m/s]
     Lanes<W> velocity_z;         ///< [m/s]
-    PlaneOf<W> moved_on;         ///< by which the pin's velocity turns against the sheave in the step [m/s]
-    Lanes<W> turned_by;          ///< half of the angle [rad]
+    PlaneOf<W> moved_on;         ///< change of the pin's velocity against the sheave by the sheave's turning in the step [m/s]
+    Lanes<W> turned_by;          ///< half of the angle by which the sheave turns [rad]
     Lanes<W> spin_x, spin_y;     ///< [rad/s]
     Lanes<W> faster;             ///< φ' against the sheave at -z [rad/s]
 };
@@ -173,7 +173,7 @@ struct PinMotion {
     Lanes<W> slide;
 };
 
-/// 1/√v. For floats from a root and a division of theirs and one step of Newton's method, which leaves 1e-13.
+/// 1/√v. Floats take a root and a division in floats and one step of Newton's method, which leaves 1e-13.
 template <int W>
 [[nodiscard, gnu::always_inline]] inline DoublesOf<W> inverse_root(const DoublesOf<W>& v) noexcept {
     const Lanes<W> start = 1.0 / sqrt(convert<W>(v));
@@ -228,7 +228,7 @@ private:
         return {read_plane_of(first), read_pins(first + 2), convert<W>(read_plane_of(first + 3)), convert<W>(read_plane_of(first + 6)),
                 convert<W>(read_pins(first + 5))};
     }
-    /// A number of the sheave at -z, for each pin that of its shaft. @param sheaves [4]
+    /// A number of the sheave at -z of each pin's shaft. @param sheaves [4]
     [[nodiscard, gnu::always_inline]] D in_doubles(double SheaveMotion::*number, const SheaveMotion* sheaves) const noexcept {
         return select_greater<Base::lanes>(second_, D(0.5), D(sheaves[2].*number), D(sheaves[0].*number));
     }
@@ -307,7 +307,7 @@ protected:
     HalfMotion<W> half_[2];
     SideMotion<W> side_[2];
     D second_;  ///< 1 for pins of the driven shaft, else 0
-    V driven_;  ///< the same
+    V driven_;  ///< second_ in the width W
 };
 
 }  // namespace

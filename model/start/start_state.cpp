@@ -126,7 +126,7 @@ private:
     PulleyModel pulleys_;
     std::vector<double>& state_;
     const std::vector<double>& along_;
-    std::vector<double> blocks_;    ///< of all links, with their neighbours around the ring
+    std::vector<double> blocks_;    ///< blocks of all links, with their neighbours around the ring
     std::vector<TipProbe> probes_;  ///< [links]
     double shift_[2] = {0.0, 0.0};
 };
@@ -163,12 +163,12 @@ void spin_shafts(const Parameters& p, const ChainLayout& at, const double* turni
     }
 }
 
-/// Path, pre-tension and speed that a scene asks for.
+/// Path, pre-tension and speed of a scene.
 struct StartPlan {
     BeltRadii radii;  ///< nominal, of a belt as long as the sum of pitches
     PathOf path_of;
-    double turning;     ///< of the driving shaft or the ring [rad/s]
-    double pretension;  ///< σ v²: what the chain's own motion pulls [N]
+    double turning;     ///< speed of the driving shaft or the ring [rad/s]
+    double pretension;  ///< σ v²: centrifugal pull of the chain [N]
     double mean_pitch;  ///< [m]
 };
 

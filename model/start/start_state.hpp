@@ -1,5 +1,5 @@
 #pragma once
-/// Geometric start: a closed chain with every joint just touching (or pre-tensioned against its own centrifugal pull), every plate at its
+/// Geometric start: a closed chain with every joint just touching (or pre-tensioned against the centrifugal pull), every plate at its
 /// free length, sheaves just touching the tips, velocities of running without slip. (model/EQUATIONS.md)
 
 #include <functional>
@@ -15,8 +15,8 @@ namespace cvtflow::model {
 struct StartState {
     std::vector<double> state;  ///< [layout.size()]
     std::vector<Phase> phases;  ///< [4 links], all free: the first step finds what touches
-    BeltRadii radii;            ///< of the pitch path [m]
-    double speed;               ///< of the chain [m/s]
+    BeltRadii radii;            ///< radii of the pitch path [m]
+    double speed;               ///< speed of the chain [m/s]
 };
 
 /// State at the begin of settling. Throws std::invalid_argument if the chain does not close around the pulleys at the given ratio.
@@ -27,17 +27,17 @@ struct StartState {
 
 using PathOf = std::function<PitchPath(double)>;  ///< path for a radius of the driving pulley (or ring)
 
-/// Positions of both halves of every pin, and where the pin is on the path.
+/// Positions of both halves of every pin, and the pin's place on the path.
 struct PlacedChain {
     std::vector<Point> front, rear;  ///< L_i, R_i
     std::vector<double> along;       ///< share of the way from the driving to the driven pulley
-    double radius;                   ///< of the driving pulley or ring [m]
+    double radius;                   ///< radius of the driving pulley or ring [m]
 };
 
 /// Chain closed on its path: pins at chord distances, joints rolling purely (arc centres along the bisector), links at the given lengths.
 class ChainPlacer {
 public:
-    /// @param pretension which plates and joints carry [N]   @param guess radius to begin the search with [m]
+    /// @param pretension force in plates and joints [N]   @param guess radius to begin the search with [m]
     ChainPlacer(const Parameters& parameters, double pretension, PathOf path_of, double guess);
 
     /// Throws std::invalid_argument if the chain cannot be closed.
@@ -53,11 +53,11 @@ private:
                  PlacedChain& chain) const;
 
     PathOf path_of_;
-    bool ring_;                   ///< no pulleys
+    bool ring_;                   ///< whether there are no pulleys
     bool pitch_lines_;            ///< halves turn with the line between their pins, not with their link
     double guess_;                ///< [m]
     double arm_, diameter_;       ///< [m]
-    std::vector<double> length_;  ///< of the links [m]
+    std::vector<double> length_;  ///< lengths of the links [m]
 };
 
 }  // namespace cvtflow::model

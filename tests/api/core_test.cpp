@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Exit status and what a command printed on both streams.
+/// Exit status and output of a command on both streams.
 std::pair<int, std::string> output_of(const std::string& command) {
     std::string text;
     FILE* pipe = popen((command + " 2>&1").c_str(), "r");
@@ -82,7 +82,7 @@ TEST_F(CoreLibrary, ThatIsNotInstalledIsNamedWithItsCommands) {
                                    "build --component core"));
 }
 
-/// By construction: not what the linker happened to need, but all that any of its objects mentions.
+/// The check covers all names that any object mentions, not only those that the linker needed.
 TEST_F(CoreLibrary, MentionsNoThreadLibraryAndNoFileOfPosix) {
     const auto [status, text] = output_of("nm -u '" CVTFLOW_CORE_LIBRARY "'");
     ASSERT_EQ(status, 0);

@@ -14,12 +14,12 @@
 namespace cvtflow::host {
 
 #if defined(__SANITIZE_THREAD__)
-inline constexpr bool thread_sanitizer = true;  ///< it sees into neither oneTBB nor OpenMP, and reports what is no race
+inline constexpr bool thread_sanitizer = true;  ///< no support for oneTBB and OpenMP: false reports of races
 #else
 inline constexpr bool thread_sanitizer = false;
 #endif
 #if defined(__SANITIZE_ADDRESS__)
-inline constexpr bool address_sanitizer = true;  ///< it keeps more on the stack and owns malloc
+inline constexpr bool address_sanitizer = true;  ///< more memory on the stack; malloc is the sanitizer's
 #else
 inline constexpr bool address_sanitizer = false;
 #endif
@@ -30,7 +30,7 @@ inline bool is_deep() {
     return given != nullptr && std::string(given) == "deep";
 }
 
-/// On the caller alone, and on threads of the simulation's own where they can be checked.
+/// Threads of the caller alone, and private threads of the simulation where they can be checked.
 inline std::vector<Threads> ways() {
     if (thread_sanitizer) return {Threads::caller()};
     return {Threads::caller(), Threads::private_arena(2)};

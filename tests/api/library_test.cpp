@@ -80,7 +80,7 @@ private:
 
 #define FROM(library, name) (library).function<decltype(name)>(#name)
 
-/// A short run through the C interface on two threads of the library's own. @return hash, 0 if something fails
+/// A short run through the C interface on two private threads of the library. @return hash, 0 if something fails
 std::uint64_t run_in(const Library& library) {
     cvtflow_message message = CVTFLOW_INIT(cvtflow_message);
     cvtflow_scene* scene = nullptr;

@@ -113,7 +113,7 @@ TEST_F(Package, OfTheCoreNeedsNoLibraryButThoseOfCxx) {
     EXPECT_EQ(run("find p -name record.hpp -o -name 'libcvtflow.so*'"), "") << "what is not in it";
 }
 
-/// As a reader opens them: pages refer to one another by relative paths.
+/// Pages refer to one another by relative paths, which a reader follows in the installed folder.
 TEST_F(Package, HoldsPagesAndExamplesWhoseLinksLead) {
     install();
     const fs::path pages = folder_ / "p/share/doc/cvtflow";

@@ -254,7 +254,7 @@ TEST(HostSimulation, CallbacksMayDestroyOrMoveTheirOwnSimulation) {
     }
 }
 
-/// The last reference to a simulation may be its own callback's.
+/// The last reference to a simulation may be that of its callback.
 TEST(HostSimulation, MayEndWithTheCallbackThatHoldsIt) {
     auto simulation = std::make_shared<Simulation>(tiny());
     Simulation& it = *simulation;
@@ -388,7 +388,7 @@ TEST(HostTime, GoesBackByNoStepWhateverTheOutputs) {
     }
 }
 
-/// The last step may have ended behind the time asked for, and so behind the next one.
+/// The last step may have ended after the requested time, and so after the next one.
 TEST(HostTime, MayBeAskedForInPartsOfAStep) {
     Simulation simulation(tiny({"run.step=1 us"}));
     for (int k = -3000; k < -2990; ++k) simulation.advance_to(1e-7 * k);

@@ -98,7 +98,7 @@ TEST(IncludeRule, PartsIncludeOnlyTheirFriends) {
     }
 }
 
-/// The product is built, and changed, without what measures it.
+/// The product is built, and changed, without the code that measures it.
 TEST(IncludeRule, OnlyTestsAndItselfIncludeTheLaboratory) {
     for (const SourceFile& file : source_files()) {
         if (file.part() == "bench" || file.part() == "tests") continue;
@@ -161,7 +161,7 @@ const std::map<std::string, std::vector<Names>> floors{
       {"tasks/tuning"}}},
 };
 
-/// -1 for rooms that stand nowhere.
+/// -1 for rooms without a floor.
 int floor_of(const std::string& room) {
     const std::vector<Names>& of_part = floors.at(room.substr(0, room.find('/')));
     for (std::size_t floor = 0; floor < of_part.size(); ++floor) {

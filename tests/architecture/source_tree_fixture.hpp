@@ -1,5 +1,5 @@
 #pragma once
-/// The source tree as the architecture tests see it.
+/// The source tree for the architecture tests.
 
 #include <set>
 #include <string>
@@ -19,16 +19,16 @@ struct SourceFile {
 };
 
 struct Include {
-    int line;          ///< from 1
-    std::string name;  ///< as written between the quotes or brackets
+    int line;          ///< line number, from 1
+    std::string name;  ///< name between the quotes or brackets
     bool quoted;
 };
 
 /// A block that opens outside all functions: the body of a function or lambda at namespace or class scope.
 struct FunctionBody {
-    std::string head;  ///< its first line
-    int line;          ///< of the head, from 1
-    int lines;         ///< from head to closing brace
+    std::string head;  ///< first line
+    int line;          ///< line number of the head, from 1
+    int lines;         ///< number of lines from head to closing brace
 };
 
 /// A function at namespace or class scope that other files may call.
@@ -40,7 +40,7 @@ struct NamedFunction {
 /// A class, struct or union.
 struct ClassSize {
     std::string name;
-    int line;                          ///< of its head, from 1
+    int line;                          ///< line number of the head, from 1
     std::vector<std::string> bases;    ///< names, without namespaces and template arguments
     std::vector<std::string> methods;  ///< functions that it declares, of every access; not constructors, destructor, operators, and what
                                        ///< is deleted or defaulted
@@ -63,7 +63,7 @@ inline const std::string git = "git -c safe.directory='*' -C '" CVTFLOW_SOURCE_D
 /// The text with comments, literals and preprocessor lines blanked out; lines stay where they are.
 [[nodiscard]] std::string code_only(const std::string& text);
 [[nodiscard]] std::vector<FunctionBody> functions_of(const std::string& text);
-/// Without templates, operators, and functions that are static, pure, defaulted, deleted or in an unnamed namespace.
+/// Functions without templates, operators, and those that are static, pure, defaulted, deleted or in an unnamed namespace.
 [[nodiscard]] std::vector<NamedFunction> named_functions(const std::string& text);
 [[nodiscard]] std::vector<ClassSize> classes_of(const std::string& text);
 

@@ -45,8 +45,8 @@ private:
     [[nodiscard]] Vector centres(int pin) const;  ///< C_L - C_R
 
     const model::Parameters& parameters_;
-    model::ChainLayout own_;     ///< of the state
-    model::ChainLayout layout_;  ///< of its halves
+    model::ChainLayout own_;     ///< layout of the state
+    model::ChainLayout layout_;  ///< layout of its halves
     const double* state_;
     std::vector<double> halves_;
 };

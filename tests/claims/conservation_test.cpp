@@ -212,7 +212,7 @@ model::Parameters ring() {
 }
 
 struct Momentum {
-    std::array<double, 2> sum{};   ///< in x and y [kg·m/s]
+    std::array<double, 2> sum{};   ///< momentum in x and y [kg·m/s]
     std::array<double, 2> size{};  ///< sum of magnitudes over links
 };
 

@@ -10,7 +10,7 @@
 namespace cvtflow::claims {
 namespace {
 
-/// 2 mu r/cos(beta): what a newton of clamping force carries, with the chain at the arc's nominal place [N·m/N].
+/// 2 mu r/cos(beta): torque that a newton of clamping force carries, with the chain at the arc's nominal place [N·m/N].
 double carried_per_force(const tasks::Scene& scene) {
     const auto& p = scene.parameters;
     return 2.0 * p.tip.friction.coefficient * p.pulley.arc_position / std::cos(p.tip.angle);

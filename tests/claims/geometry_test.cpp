@@ -1,4 +1,4 @@
-/// Claim: the chain starts closed around its pulleys, with joints and plates exactly as deep and long as asked for.
+/// Claim: the chain starts closed around its pulleys, with joints and plates exactly as deep and long as requested.
 
 #include <gtest/gtest.h>
 
@@ -61,7 +61,7 @@ std::vector<Start> starts() {
     return all;
 }
 
-/// Pull against its own centrifugal force, σ v², for which the start is pre-tensioned: by the nominal belt.
+/// Centrifugal pull σ v², for which the start is pre-tensioned: by the nominal belt.
 double pretension(const model::Parameters& p) {
     double length = 0.0;
     for (int link = 0; link < p.chain.pins; ++link) length += p.chain.pitch[static_cast<std::size_t>(link) % p.chain.pitch.size()];
@@ -121,7 +121,7 @@ TEST_P(GeometricStart, EveryPlateHasTheLengthOfItsPretension) {
     }
 }
 
-/// At rigid pins, where plates and joints are in series in a link, as with halves, where each has its own depth.
+/// Rigid pins have plates and joints in series in a link; halves have a separate depth for each.
 TEST(GeometricStartOfEveryLevel, CarriesItsPretensionInEveryLink) {
     std::vector<std::string> all = levels();
     all.emplace_back("rigid");

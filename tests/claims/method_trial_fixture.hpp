@@ -11,16 +11,16 @@
 
 namespace cvtflow::bench {
 
-/// Where a trial ended.
+/// End of a trial.
 struct TrialEnd {
     tasks::Fault fault;
     tasks::Counters counters;
-    double step = 0.0;                              ///< in use [s]
+    double step = 0.0;                              ///< step in use [s]
     double wall = 0.0;                              ///< [s]
-    std::optional<bench::NewtonStatistics> newton;  ///< of trapezoidal methods
+    std::optional<bench::NewtonStatistics> newton;  ///< statistics of trapezoidal methods
     std::string report;                             ///< summary of the method about its work
     std::vector<double> state;                      ///< [layout.size()]
-    std::vector<double> axial_force, tension;       ///< of every tip, of every link [N]
+    std::vector<double> axial_force, tension;       ///< axial force of every tip, tension of every link [N]
 };
 
 /// Serial run of `method` from `start` over `duration` with the given step.

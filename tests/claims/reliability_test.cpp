@@ -149,8 +149,8 @@ TEST(Reliability, OfThePublishedStepIsNone) {
 }
 
 struct Promise {
-    std::vector<std::string> reference;               ///< settings of what runs are compared with
-    double slip, efficiency, axial, residual = 1e-3;  ///< of its share, in points, of its share, of the losses
+    std::vector<std::string> reference;               ///< settings of the run to compare with
+    double slip, efficiency, axial, residual = 1e-3;  ///< tolerances: relative, in points, relative, share of the losses
 };
 
 /// Promise for pin halves (README).

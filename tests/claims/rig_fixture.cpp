@@ -37,7 +37,7 @@ void soften(model::Parameters& p) {
     p.joint.clearance = 1e-3;  // the opening's spring begins beyond reach
 }
 
-/// Every coordinate of the chain gets a speed of its own.
+/// Every coordinate of the chain gets a different speed.
 void jolt(const model::ChainLayout& at, std::vector<double>& state) {
     for (int link = 0; link < at.links; ++link) {
         for (int k = 0; k < at.link_size(); ++k)

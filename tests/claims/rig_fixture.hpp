@@ -1,5 +1,5 @@
 #pragma once
-/// A variator on the test bench: the real step controller on a state of one's own, without scene, file or settling.
+/// A variator on the test bench: the real step controller on a given state, without scene, file or settling.
 
 #include <functional>
 #include <memory>
@@ -23,7 +23,7 @@ public:
     /// Begins with the geometric start.
     explicit Rig(const model::Parameters& parameters, int segments = 1, std::string_view method = "rk4");
 
-    /// Integrates; `output` sees every output. Counters and transitions are those of the last run.
+    /// Integrates; calls `output` at every output. Counters and transitions are those of the last run.
     tasks::Fault run(const tasks::StepSettings& settings, const Output& output = {});
 
     [[nodiscard]] tasks::Workspace& workspace() { return integrator_->workspace(); }
@@ -42,7 +42,7 @@ private:
     std::vector<tasks::TransitionRecord> transitions_;
 };
 
-/// Names of all levels of detail: what is claimed holds at every one of them.
+/// Names of all levels of detail: claims hold at every level.
 [[nodiscard]] std::vector<std::string> levels();
 /// The machine at a level of detail; pulleys that are absent stay so.
 [[nodiscard]] model::Parameters at_level(model::Parameters parameters, const std::string& level);
@@ -52,7 +52,7 @@ void make_conservative(model::Parameters& parameters);
 
 // Motions on which methods show their order.
 
-/// A scene whose right-hand side is smooth where it goes: friction everywhere below saturation, so linear in speed; all else in contact.
+/// A scene whose right-hand side is smooth along its motion: friction everywhere below saturation, so linear in speed; all else in contact.
 struct Smooth {
     model::Parameters parameters;
     std::vector<double> state;
@@ -61,7 +61,7 @@ struct Smooth {
 
 constexpr double smooth_span = 1.6e-6;  ///< s: a period of the fastest waves, too short for a tip to come or go
 
-/// A free ring that turns fast, every coordinate with a speed of its own.
+/// A free ring that turns fast, every coordinate at a different speed.
 [[nodiscard]] Smooth disturbed_ring();
 /// A ring around shaft 1, clamped between its elastic sheaves and turning: every tip deep in contact, none about to leave.
 [[nodiscard]] Smooth clamped_ring();

@@ -180,7 +180,7 @@ TEST_P(Frictionless, StrandsCarryTwiceTheClampingTimesTheWedgeOverTheWrap) {
     expect_theory(p, settled(p, "rk4", 1e-7));
 }
 
-/// With so much damping the finer levels would need steps of some ten nanoseconds.
+/// The finer levels would need steps of some ten nanoseconds with this damping.
 TEST_P(Frictionless, StrandsCarryThatAtTheCheapestLevelOfDetail) {
     const model::Parameters p = frictionless(GetParam(), "rigid");
     expect_theory(p, settled(p, "leapfrog-rigid", 1e-6));

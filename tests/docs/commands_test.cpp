@@ -57,7 +57,7 @@ private:
     fs::path folder_;
 };
 
-/// Whether this build has what the block needs, at this depth.
+/// Whether this build provides everything that the block needs, at this depth.
 bool runs(const Block& block, bool nightly) {
     const bool module = fs::exists(CVTFLOW_BINARY_DIR "/python");
     const bool now = nightly || (block.nightly.empty() && (test::is_deep() || !block.is_deep()));

@@ -23,7 +23,7 @@ protected:
     }
     ~DeepReadme() override { fs::remove_all(folder_); }
 
-    /// Runs lines as a script in the empty folder; what they print is output().
+    /// Runs lines as a script in the empty folder; output() is what they print.
     [[nodiscard]] int run(const std::string& text) const {
         std::ofstream(folder_ / "script") << "set -eo pipefail\nunset CVTFLOW_SCENES LD_LIBRARY_PATH\nexport PATH='" << prefix()
                                           << "/bin':/usr/bin:/bin PKG_CONFIG_PATH=\"$(dirname \"$(find '" << prefix()

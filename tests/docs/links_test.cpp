@@ -73,7 +73,7 @@ TEST(Pages, HaveOneOrderInTheIndexAndTheSite) {
     EXPECT_EQ(index, site);
 }
 
-/// Number of every decision and the file in which it stands.
+/// Number of every decision and its file.
 std::map<int, std::string> decisions() {
     static const std::regex heading("## ([0-9]+)\\. .*");
     std::map<int, std::string> found;

@@ -1,5 +1,5 @@
 #pragma once
-/// Pages of the documents as tests see them: Markdown with fenced blocks, and comments above blocks that say what is done with them.
+/// Pages of the documents for tests: Markdown with fenced blocks, and comments above blocks that state how a block is used.
 
 #include <filesystem>
 #include <string>
@@ -9,13 +9,13 @@ namespace cvtflow::docs {
 
 /// A fenced block of a page.
 struct Block {
-    int line = 0;          ///< of its opening fence, from 1
+    int line = 0;          ///< line number of the opening fence, from 1
     std::string language;  ///< "sh", "toml", "text" …
-    std::string text;      ///< between the fences, with the last line's end
+    std::string text;      ///< text between the fences, with the last line's end
     std::string file;      ///< name of the file that it is written to; empty: none
-    std::string nightly;   ///< how long it takes, if longer than seconds; empty: it is quick
-    std::string deep;      ///< which suite has its promise in quick runs, where it is left out; empty: it is in all
-    std::string not_run;   ///< why it cannot run; empty: it can
+    std::string nightly;   ///< time that it takes, if longer than seconds; empty: it is quick
+    std::string deep;      ///< suite that has its promise in quick runs, where it is left out; empty: it is in all
+    std::string not_run;   ///< reason why it cannot run; empty: it can
 
     /// Whether it is run, as commands or as Python.
     [[nodiscard]] bool runs() const { return (language == "sh" || (language == "python" && file.empty())) && not_run.empty(); }
@@ -27,7 +27,7 @@ struct Block {
 
 /// A line of a page outside blocks.
 struct Line {
-    int number = 0;  ///< from 1
+    int number = 0;  ///< line number, from 1
     std::string text;
 };
 
@@ -43,7 +43,7 @@ struct Page {
     [[nodiscard]] std::vector<std::string> anchors() const;
 };
 
-/// All of a file; empty if it cannot be read.
+/// Text of a file; empty if it cannot be read.
 [[nodiscard]] std::string text_of(const std::filesystem::path& path);
 
 /// Every page that documents the project: *.md at the top level, in docs, model and tools; ascending by path.

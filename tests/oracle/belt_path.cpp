@@ -77,7 +77,7 @@ struct Layer {
     /// Distance from the axis of a half to its arc centre, c_a.
     [[nodiscard]] Real arm() const { return parameters.joint.radius - parameters.half.width / 2.0L; }
 
-    /// From R's arc centre on pin i to L's on pin i+1: parallel to the link.
+    /// Vector from R's arc centre on pin i to L's on pin i+1: parallel to the link.
     [[nodiscard]] Vec2 between_centres(int link, Vec2 from, Vec2 to) const {
         return to - from + to_centre(link) * normal[link] + to_centre(next(link)) * normal[next(link)];
     }

@@ -20,33 +20,33 @@ public:
         Vec2 point;    ///< [m]
         Vec2 tangent;  ///< unit vector of travel
         Part part;
-        Real fraction;  ///< of this part already passed, 0…1
+        Real fraction;  ///< fraction of this part already passed, 0…1
     };
     [[nodiscard]] Real length() const;         ///< [m]
     [[nodiscard]] Place at(Real along) const;  ///< any distance from the start [m], taken modulo the length
 
 private:
-    Real lengths_[4] = {};  ///< of the parts
-    Real radius_[2] = {};   ///< around the driving and driven axis
+    Real lengths_[4] = {};  ///< lengths of the parts
+    Real radius_[2] = {};   ///< radii of the arcs around the driving and driven axis
     Vec2 axis_[2];
     Real entry_[2] = {};  ///< polar angles at which the arcs begin
 };
 
 /// Targets of the chain that is laid out.
 struct ChainTargets {
-    std::vector<Real> depth;    ///< of joint i [m]
+    std::vector<Real> depth;    ///< depth of joint i [m]
     std::vector<Real> lean;     ///< turn of joint i's contact normal from the bisector [rad]
-    std::vector<Real> stretch;  ///< of the plates of link i [m]
+    std::vector<Real> stretch;  ///< stretch of the plates of link i [m]
 };
 
 struct LaidHalf {
     Vec2 point;             ///< m = 0 position [m]
-    BeltPath::Place place;  ///< of its pin on the path
+    BeltPath::Place place;  ///< place of its pin on the path
 };
 struct LaidChain {
     std::vector<LaidHalf> rear;   ///< R_i, by link
     std::vector<LaidHalf> front;  ///< L_{i+1}, by link
-    Real radius;                  ///< of the driving arc or ring [m]
+    Real radius;                  ///< radius of the driving arc or ring [m]
 };
 
 /// Finds the radius with which the chain closes on the path.

@@ -53,7 +53,7 @@ Real spring(Real u, Real rate, Real stiffness, Real damping, Real& energy, Real&
     return stiffness * u + damping * rate;
 }
 
-/// Extension of a half against its own length.
+/// Extension of a half against its length.
 void add_extension(const System& system, int pin, const Half& half, HalfForce& force, Totals& totals) {
     const auto& p = system.parameters;
     const Real k = 4.0L * p.chain.young_modulus * p.half.area / p.half.length;

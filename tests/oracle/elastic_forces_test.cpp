@@ -61,7 +61,7 @@ Real gradient(const model::Parameters& parameters, ExactState at, int index, Rea
     return (above - below) / (2.0L * step);
 }
 
-/// With h = 1e-10 m and energies of ~1 J known to ~1e-19, rounding of depths against lengths of 2 m (2e-19 m · 1e4 N / h) leaves ~2e-5 N;
+/// Rounding of depths against lengths of 2 m (2e-19 m · 1e4 N / h), with h = 1e-10 m and energies of ~1 J known to ~1e-19, leaves ~2e-5 N;
 /// truncation h² V''' is largest where Hertz and Palmgren contacts open, K h²/sqrt(δ) and less: ~1e-5 N.
 void expect_gradient(const model::Parameters& parameters, double t, std::uint64_t seed) {
     const auto layout = model::layout_of(parameters);

@@ -141,7 +141,7 @@ std::vector<Real> pulley_diagonal(const model::Parameters& parameters) {
 
 /// Unbalance U of a sheave at the angle φ: its mass is at (u_x, u_y) + (U/m) (cos φ, sin φ).
 struct Unbalance {
-    int body = 0;  ///< its first coordinate of the pulleys'
+    int body = 0;  ///< first coordinate of the sheave among the pulleys'
     Vec2 at;       ///< U (cos φ, sin φ) [kg·m]
     Real spin = 0.0L;
 };

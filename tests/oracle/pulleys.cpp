@@ -153,7 +153,7 @@ Real given_force(const System& system, int shaft) {
     return std::max(by_pressure ? pressed : Real{p.clamping.driven.at(from)}, p.clamping.safety * std::abs(load_of(system)) / carried);
 }
 
-/// A controller: what it sees and what it asks for, from its own integral.
+/// A controller: its input and its request, by its integral.
 struct Controller {
     enum class Holds { ratio, slip, safety };
     const System& system;
@@ -389,7 +389,7 @@ Valve valve_of(const System& system, int shaft) {
             h.valve_conductance * std::max(-pressure, 0.0L)};
 }
 
-/// Line pressure, after the valves' flows have been reduced to what the pump delivers [Pa]. delivered [m³/s]
+/// Line pressure, after the valves' flows have been reduced to the delivery of the pump [Pa]. delivered [m³/s]
 Real line_pressure(const System& system, Real delivered, Valve (&valves)[2]) {
     const auto& h = system.parameters.hydraulics;
     const Real taken = valves[0].from_pump + valves[1].from_pump;

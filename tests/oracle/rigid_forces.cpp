@@ -109,7 +109,7 @@ std::array<Element, 5> link_elements(const PinLink& link) {
             {in_series(plates * n.bow_square, joint / 5.0L / at_ends), drag * n.bow_square}};
 }
 
-/// Adds the force of a deflection to what it depends on.
+/// Adds the force of a deflection to the coordinates that it depends on.
 void push_link(PinForces& forces, const PinLink& link, const LinkDeflection& u, Real force) {
     RigidPinForce &rear = forces.totals.pin[link.number], &front = forces.totals.pin[link.next];
     const Vec2 on_front = -force * u.by_chord;

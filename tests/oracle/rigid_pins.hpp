@@ -13,19 +13,19 @@ namespace cvtflow::oracle {
 struct PinNumbers {
     Real square = 0.0L;       ///< ξ̂², mean square of the plates' places
     Real bow = 0.0L;          ///< κ, mean of P_2 over the plates
-    Real bow_square = 0.0L;   ///< s², of P_2 against its mean, over (1 - κ)²
-    Real mass = 0.0L;         ///< of x, y, z [kg]
+    Real bow_square = 0.0L;   ///< s², mean square of P_2 against its mean, over (1 - κ)²
+    Real mass = 0.0L;         ///< m, inertia of x, y, z [kg]
     Real tilt_mass = 0.0L;    ///< m_D [kg]
     Real bend_mass = 0.0L;    ///< m_B [kg]
     Real softness = 0.0L;     ///< b = K cos²β/k_e, yielding of half a pin along its axis in series with a tip [1/√m]
     Real end_slope = 0.0L;    ///< slope at an end per displacement D, 2/ℓ_p [1/m]
-    Real bend_factor = 0.0L;  ///< q: slope at an end by bending, as if by tilting
+    Real bend_factor = 0.0L;  ///< q: slope at an end by bending over that by tilting, for equal displacements
 };
 PinNumbers pin_numbers(const model::Parameters& parameters);
 
-/// From pin i to pin i + 1.
+/// Line from pin i to pin i + 1.
 struct PitchLine {
-    Vec2 t, n, o;         ///< along it, left normal, outward normal
+    Vec2 t, n, o;         ///< direction, left normal, outward normal
     Real length = 0.0L;   ///< ℓ [m]
     Real turning = 0.0L;  ///< θ' [rad/s]
 };
@@ -53,8 +53,8 @@ struct PinChain {
 
     const System& system;
     PinNumbers numbers;
-    std::vector<PitchLine> line;   ///< i: from pin i to pin i + 1
-    std::vector<Rolling> rolling;  ///< by pin
+    std::vector<PitchLine> line;   ///< i: line from pin i to pin i + 1
+    std::vector<Rolling> rolling;  ///< [pins] rolling of each pin's halves
 
     [[nodiscard]] const RigidPin& pin(int i) const { return system.pins[system.layout.wrapped(i)]; }
     /// The front half of pin i belongs to link i - 1, its rear half to link i.
@@ -75,7 +75,7 @@ struct PinForces {
 
     const PinChain& chain;
     Totals& totals;
-    std::vector<Real> moment;   ///< on pitch lines [N·m]
+    std::vector<Real> moment;   ///< moments on pitch lines [N·m]
     std::vector<Real> thrust;   ///< Λ of plates' friction on the lengthening e of each pin [N]
     std::vector<Real> tension;  ///< T of each link [N]
     std::vector<Vec2> pull;     ///< f_i: of link i's deflections on its front half [N]
@@ -85,7 +85,7 @@ struct PinForces {
     void turn_lines();  ///< passes the moments to the pins
 };
 
-/// A tip that touches, with what follows from its place and motion alone.
+/// A tip that touches, with quantities of its place and motion alone.
 struct PinTip {
     PinHalf half;
     TipContact contact;

@@ -16,7 +16,7 @@ double depth_as_written(const model::Parameters& p, double radius, double height
     return p.pulley.arc_radius + p.tip.radius - std::sqrt(h1 * h1 + h2 * h2);
 }
 
-/// Depth ((R_c + R_p)² - d²)/(R_c + R_p + d), with the large squares cancelled by hand.
+/// Depth ((R_c + R_p)² - d²)/(R_c + R_p + d), with the large squares cancelled algebraically.
 double depth_without_cancellation(const model::Parameters& p, double radius, double height, double s) {
     const double sine = std::sin(p.tip.angle);
     const double cosine = std::cos(p.tip.angle);

@@ -38,7 +38,7 @@ struct Link {
 
 /// Generalized forces on one half.
 struct HalfForce {
-    std::vector<Vec2> shape;  ///< on (x_m, y_m) [N]
+    std::vector<Vec2> shape;  ///< forces on (x_m, y_m) [N]
     Real z = 0.0L, e = 0.0L;  ///< [N]
 
     void push(Real xi, Vec3 force);  ///< a force [N] at the point ξ of the axis
@@ -71,8 +71,8 @@ struct Body {
 };
 
 struct BodyForce {
-    Vec3 force;   ///< on u_x, u_y, w [N]
-    Vec3 moment;  ///< on τ_x, τ_y, φ [N·m]
+    Vec3 force;   ///< force on u_x, u_y, w [N]
+    Vec3 moment;  ///< moment on τ_x, τ_y, φ [N·m]
 };
 
 inline constexpr int bodies = 6;
@@ -82,12 +82,12 @@ struct System {
     model::ChainLayout layout;
     double t;  ///< [s]
     std::vector<Link> links;
-    std::array<Body, bodies> body;  ///< of rigid pulleys: sheaves (0, 0, 0, 0, w, φ_k), shafts (0, 0, 0, 0, 0, φ_k)
+    std::array<Body, bodies> body;  ///< rigid pulleys: sheaves (0, 0, 0, 0, w, φ_k), shafts (0, 0, 0, 0, 0, φ_k)
     Real control_integral[2] = {};  ///< I of both controllers [s]
     std::span<const model::Phase> phases;
-    const FarEnds* far = nullptr;  ///< of couplings that have taken over, and with them hydraulics
+    const FarEnds* far = nullptr;  ///< ends of couplings that have taken over, and with them hydraulics
     std::array<Real, model::hydraulic_unknowns> oil{};
-    std::vector<RigidPin> pins{};  ///< of a chain of rigid pins, which has no links
+    std::vector<RigidPin> pins{};  ///< pins of a chain of rigid pins, which has no links
     std::vector<Real> longer{};    ///< λ of each pin; empty: all are equal [m]
 
     [[nodiscard]] Real longer_half(int pin) const { return longer.empty() ? 0.0L : longer[static_cast<std::size_t>(layout.wrapped(pin))]; }
@@ -128,7 +128,7 @@ Real spring_mass(const model::Parameters& parameters);
 Real damping_of(Real ratio, Real stiffness, Real mass);
 
 Half unpack_half(const model::Parameters& parameters, const model::ChainLayout& layout, model::End end, std::span<const Real> block);
-void make_frame(Link& link);  ///< from its halves
+void make_frame(Link& link);  ///< sets the frame from the halves
 
 /// Travel of a movable sheave toward the chain [m].
 Real travel(const System& system, int shaft);

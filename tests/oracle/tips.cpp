@@ -101,7 +101,7 @@ struct TipTarget {
     LinkForce& on_link;
     HalfForce& on_half;
     BodyForce& on_sheave;
-    Vec3 offset;  ///< of the flank [m]
+    Vec3 offset;  ///< offset of the flank [m]
 
     /// A force at the flank's origin, whose offset turns with the sheave.
     void push_sheave(Vec3 force) const {

@@ -28,7 +28,7 @@ using oracle::Real;
 // The second, plain implementation (tests/oracle).
 
 struct PlainStrut {
-    oracle::Vec2 force;  ///< on the front half
+    oracle::Vec2 force;  ///< force on the front half
     PlainStrut(oracle::Vec2 apart, oracle::Vec2 rate, oracle::Totals& totals) {
         const Real distance = norm(apart), beyond = distance - Real{FurtherElement::length};
         const oracle::Vec2 along = (1.0L / distance) * apart;
@@ -118,7 +118,7 @@ TEST_P(ForceRecipe, EnergyAndLossAreObserved) {
     EXPECT_GT(expected.powers.losses[inner], 1.001 * without.powers.losses[inner]);
 }
 
-/// The ledger of a run adds up what is observed: the power of all forces is the change of energy and the loss.
+/// The ledger of a run adds up the observed rates: the power of all forces is the change of energy and the loss.
 TEST_P(ForceRecipe, PowerIsChangeOfEnergyAndLoss) {
     model::Parameters p = machine();
     p.detail.pulleys = model::PulleyDetail::absent;

@@ -63,7 +63,7 @@ TEST(LinearMethodRecipe, ItsTimesAreDerivedAndConsistent) {
     EXPECT_DOUBLE_EQ(times.result, 1.0);
 }
 
-/// On y' = λy with z = hλ the row above means (1 - γz) u = γz y, y⁺ = y + m u, by the header's own formula.
+/// The row above means (1 - γz) u = γz y, y⁺ = y + m u on y' = λy with z = hλ, by the header's formula.
 TEST(LinearMethodRecipe, DampsWhatIsStiffAsTheoryTells) {
     const bench::LinearPlan plan = implicit_euler();
     const double gamma = plan.stages[0].gamma, weight = plan.result[0].factor;

@@ -68,14 +68,14 @@ void expect_no_allocation(Scene scene) {
     EXPECT_EQ(counter.between_, 0);
 }
 
-/// Its step loop, where allocations can be counted.
+/// The step loop, where allocations can be counted.
 class NoAllocation : public testing::Test {
     void SetUp() override {
         if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     }
 };
 
-/// With the default method, settling from the geometric start; friction by sweeps takes thirty of them in its first step, two in others.
+/// Scenes settle from the geometric start by the default method; friction takes thirty sweeps in its first step, two in others.
 TEST_F(NoAllocation, InTheStepLoopOfAnySceneAtAnyLevelOfDetail) {
     for (const std::string& level : claims::levels()) {
         SCOPED_TRACE(level);

@@ -29,7 +29,7 @@ namespace test {
     return names;
 }
 
-/// With its state on file, settled once per process. Serial, until 20 us with outputs every 10 us; settings "key=value" are applied on top.
+/// Scene `tiny` with its state on file, settled once per process. Serial, until 20 us with outputs every 10 us; then settings "key=value".
 [[nodiscard]] Scene settled_tiny(const std::vector<std::string>& settings = {});
 
 }  // namespace test

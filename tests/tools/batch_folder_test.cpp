@@ -51,7 +51,7 @@ protected:
         text.replace(text.find("\"settle\""), 8, "\"shared\"");
         write("sweep.toml", text);
     }
-    /// As another version of the program would have left it.
+    /// Gives a folder the traces of another version of the program.
     void give_to_other_program(const std::string& folder) const {
         engine::CaseTable other = table(folder);
         other.set({"program", std::string(other_program)});

@@ -224,7 +224,7 @@ protected:
         EXPECT_EQ(pclose(pipe), 0) << command;
         return output;
     }
-    /// A file of the build's own manual (target cvtflow_manual, cvtflow-lab_manual).
+    /// A file of the build's manual (target cvtflow_manual, cvtflow-lab_manual).
     std::string made(const std::string& kind, const std::string& program = "cvtflow") const {
         const std::map<std::string, std::string> files{
             {"man", program + ".1"}, {"bash", program}, {"zsh", "_" + program}, {"fish", program + ".fish"}};

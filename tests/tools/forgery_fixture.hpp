@@ -1,6 +1,6 @@
 #pragma once
-/// Files that an enemy made: sound for HDF5, with a right seal and right hashes, and false in what they say. A seed decides what is forged,
-/// or every object and every attribute is forged in turn.
+/// Files forged by an attacker: sound for HDF5, with a right seal and right hashes, and false contents. A seed decides what is forged, or
+/// every object and every attribute is forged in turn.
 
 #include <hdf5.h>
 
@@ -13,23 +13,23 @@
 
 namespace cvtflow::tools {
 
-/// Which of our files it is.
+/// Kind of file.
 enum class Forged { record, state, table };
 
-/// Markup, escape sequences, formulas: what names and texts are replaced with.
+/// Hostile names and texts: markup, escape sequences, formulas.
 [[nodiscard]] std::string hostile_text(std::uint64_t number);
 
 /// Changes a file in place: shapes, types, links, missing and swollen data, invalid numbers, hostile names and texts. States keep a
-/// right hash, rows of tables their check. @return what was done
+/// right hash, rows of tables their check. @return description of the change
 std::string forge(const std::string& path, Forged kind, std::uint64_t seed);
 
 /// Opens a record, changes it through HDF5 and seals it anew.
 void change_record(const std::string& path, const std::function<void(hid_t file)>& change);
-/// All reals of a dataset.
+/// Sets all reals of a dataset to NaN.
 void fill_with_nan(hid_t file, const std::string& dataset);
-/// Another one under its name, of zeros. @param deflated as HDF5 can do it: next to nothing on disk
+/// Replaces a dataset by zeros. @param deflated compressed by HDF5 to next to nothing on disk
 void replace_dataset(hid_t file, const std::string& dataset, hid_t type, std::array<hsize_t, 2> sizes, bool deflated);
-/// An attribute of a dataset.
+/// Adds an attribute to a dataset.
 void put_text(hid_t file, const std::string& dataset, const std::string& name, const std::string& text);
 
 // Every object and every attribute of an HDF5 file, each with every change that can be made to it.

@@ -76,13 +76,13 @@ protected:
         EXPECT_EQ(batch().status, 0);
         for (const char* shard : {"1/2", "2/2"}) EXPECT_EQ(run({"batch", "sweep.toml", "-o", "shards", "--shard", shard}).status, 0);
     }
-    /// A false file made from a good one. @return what is false in it
+    /// A false file made from a good one. @return description of the change
     using Forge = std::function<std::string(const std::string& path)>;
-    /// Runs the commands on a forged copy of a file, in a folder of its own.
+    /// Runs the commands on a forged copy of a file, in a separate folder.
     void survive(const Target& target, const Forge& forge);
     /// Drawn changes of contents whose hashes are right, and of structure.
     void survive_drawn(std::uint64_t first, std::uint64_t seeds);
-    /// `count` of all changes of all objects and attributes, all of them if the seed of samples is "all"; of these one of equal parts.
+    /// Runs `count` of all changes of all objects and attributes, all of them if the seed of samples is "all"; of these one of equal parts.
     void survive_objects(std::size_t count, std::size_t part = 0, std::size_t parts = 1);
 
     void expect_survived(const Words& words, const std::string& what);

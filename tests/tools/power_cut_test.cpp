@@ -36,10 +36,10 @@ namespace fs = std::filesystem;
 /// One change to a file or a name, as in the log.
 struct Change {
     std::string what;         ///< create, mkdir, remove, rename, write, size, sync
-    std::uint64_t inode = 0;  ///< of file or folder; 0 where only names change
-    std::size_t at = 0;       ///< of a write; the length that size sets
+    std::uint64_t inode = 0;  ///< inode of file or folder; 0 where only names change
+    std::size_t at = 0;       ///< position of a write; the length that size sets
     std::string bytes;
-    std::string path, to;  ///< of names
+    std::string path, to;  ///< names that change
 };
 
 /// Guarantee of a system: dropped keeps nothing that was not synced, names only with their folder. journalled is the behaviour of file

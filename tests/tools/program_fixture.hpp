@@ -1,5 +1,5 @@
 #pragma once
-/// Runs a program as a user does: as a child process, in a folder of its own. It is cvtflow-lab where that has the command, else cvtflow.
+/// Runs a program like a user: as a child process, in a separate folder. It is cvtflow-lab where that has the command, else cvtflow.
 
 #include <gtest/gtest.h>
 #include <sys/types.h>
@@ -25,7 +25,7 @@ struct Outcome {
     std::string err;  ///< stderr
 };
 
-using Words = std::vector<std::string>;  ///< of a command line
+using Words = std::vector<std::string>;  ///< words of a command line
 
 /// One list after the other.
 [[nodiscard]] inline Words operator+(Words words, const Words& more) {
@@ -39,7 +39,7 @@ using Words = std::vector<std::string>;  ///< of a command line
 /// The program for these words: cvtflow, or cvtflow-lab where that alone has the command, or a method or executor that they name. A build
 /// without the laboratory (CVTFLOW_LAB is not defined) has cvtflow only.
 [[nodiscard]] std::string program_of(const Words& words);
-/// As the first word: the command is the laboratory's program's, which has some of the other one's commands.
+/// First word of commands for the laboratory's program, which has some of the other one's commands.
 inline constexpr const char* laboratory = "cvtflow-lab";
 
 /// Waits until `condition` holds. @return whether it did within 20 s
@@ -69,7 +69,7 @@ public:
     void send(int signal) const;
     [[nodiscard]] pid_t id() const noexcept { return process_; }
     [[nodiscard]] Outcome wait();
-    /// Its only child, if it has one: the process that runs the cases of a sweep. 0: none
+    /// The only child, if any: the process that runs the cases of a sweep. 0: none
     [[nodiscard]] pid_t worker() const;
     /// Waits for the condition and sends a signal then, or lets the child end before.
     template <class Condition>
@@ -89,7 +89,7 @@ private:
 /// --set and each of these settings.
 [[nodiscard]] Words set_all(const Words& settings);
 
-/// Options that settle a scene just enough for commands that want a settled state.
+/// Options that settle a scene just enough for commands that require a settled state.
 inline const std::vector<std::string> brief_settling{
     "--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms", "--set", "run.step=50 ns"};
 
@@ -107,7 +107,7 @@ protected:
     Outcome run_briefly(const std::vector<std::string>& more = {}) const;
     /// Output of run() on a terminal of that width, stdout included.
     [[nodiscard]] std::string draw(const std::vector<std::string>& arguments, int columns) const;
-    /// Files of a fixture: the first test of a process that needs them makes them in its folder, the others get copies.
+    /// Makes files of a fixture: the first test of a process that needs them makes them in its folder, the others get copies.
     void made_once(const std::string& files, const std::function<void()>& make) const;
     void write(const std::string& name, const std::string& text) const;
     [[nodiscard]] std::string read(const std::string& name) const;
@@ -117,13 +117,13 @@ protected:
     [[nodiscard]] engine::RunReader record(const std::string& name) const { return engine::RunReader((folder_ / name).string()); }
     /// Number of rows of a record that is being written, or of the table of a sweep; 0 before it can be read.
     [[nodiscard]] std::size_t rows_of(const std::string& file) const;
-    /// After "state hash" in what a command printed.
+    /// Hash after "state hash" in the output of a command.
     [[nodiscard]] static std::string hash_in(const std::string& text, const std::string& name = "state hash");
 
     std::filesystem::path folder_;
 };
 
-/// The hash of its last state that a record states.
+/// Hash of the last state, stated by a record.
 [[nodiscard]] std::string recorded_hash(const std::filesystem::path& record);
 
 // A sweep that takes a second, and what its folder holds.
@@ -137,7 +137,7 @@ protected:
     void add_records() const;
     Outcome batch(const Words& more = {}) const { return run(Words{"batch", "sweep.toml", "-o", "out"} + more); }
     [[nodiscard]] engine::CaseTable table(const std::string& folder = "out") const;
-    /// After "results hash" in what a command printed.
+    /// Hash after "results hash" in the output of a command.
     [[nodiscard]] static std::string hash_in(const std::string& text) { return Program::hash_in(text, "results hash"); }
     /// Text of a column by case.
     [[nodiscard]] std::map<long, std::string> column(const std::string& name, const std::string& folder = "out") const;

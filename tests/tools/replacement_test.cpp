@@ -42,9 +42,9 @@ protected:
     void put(const std::string& kind, const std::string& target) const;
     /// Everything below the test's folder: its type and a hash of its contents, by name.
     [[nodiscard]] std::map<std::string, std::string> files() const;
-    /// Nothing of what was there is missing or changed.
+    /// No file is missing or changed.
     void expect_kept(const std::map<std::string, std::string>& before, const std::string& what) const;
-    /// Removes what was not there.
+    /// Removes new files.
     void forget_new(const std::map<std::string, std::string>& before) const;
 
 private:

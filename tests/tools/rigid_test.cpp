@@ -102,7 +102,7 @@ TEST_F(RigidPins, RefuseWhatTheyDoNotHave) {
     EXPECT_THAT(refusal({"--set", "run.segments=2"}), HasSubstr("is one segment"));
 }
 
-/// In the steps of tables friction counts, which a start changes faster than 20 ms: estimates as for other pins.
+/// Friction counts in the steps of tables, which a start changes faster than 20 ms: estimates as for other pins.
 TEST_F(RigidPins, AreReliableAtTheAutomaticStepOfATable) {
     const Outcome outcome = run({"run", "tiny", "--detail", "rigid", "--method", "rk4", "-o", "tiny.h5"});
     EXPECT_EQ(outcome.status, 0) << outcome.out;

@@ -51,7 +51,7 @@ struct PlaceAllocator {
 thread_local int asio_thread = 0;
 
 /// Why this is free of races: a task is posted by the one that takes its counter to zero (acquire and release), and the queue's lock orders
-/// what was written before posting before the handler. Counters of a cycle are set by the thread that begins it, before it posts any task.
+/// all writes before posting before the handler. Counters of a cycle are set by the thread that begins it, before it posts any task.
 class Queue {
 public:
     Queue(Run& run, const ExecutorOptions& options)

@@ -23,7 +23,7 @@ void run_level_by_algorithm(const Run& run, std::span<const int> tasks) {
 
 }  // namespace
 
-/// The algorithm's own context is bound to that of the task around it: here the section's, else the host's, which may be cancelled.
+/// The algorithm's context is bound to that of the task around it: here the section's, else the host's, which may be cancelled.
 void StdPar::execute(Run& run, int first) {
     PinnedSection section(options());
     section.execute([&](oneapi::tbb::task_group_context& context) {

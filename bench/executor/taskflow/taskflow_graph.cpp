@@ -16,7 +16,7 @@ using namespace engine;
 
 namespace {
 
-/// Pins workers as long as they live.
+/// Pins workers for their lifetime.
 class WorkerPins final : public tf::WorkerInterface {
 public:
     WorkerPins(bool requested, int workers) : requested_(requested), pins_(static_cast<std::size_t>(workers)) {}
@@ -31,8 +31,8 @@ private:
     std::vector<std::optional<Pin>> pins_;  ///< [worker]
 };
 
-/// The run as a Taskflow: `decide` is a condition task, and what it names is opened. Leaving a cycle is a condition task as well, since
-/// only their edges may lead back.
+/// The run as a Taskflow: `decide` is a condition task, whose result is opened. Leaving a cycle is a condition task as well, since only
+/// their edges may lead back.
 ///
 ///     begin ─► decide ┄► open[c] ─► tasks of the cycle ─► leave[c] ┄► decide … or nothing, at the end
 class RunFlow {

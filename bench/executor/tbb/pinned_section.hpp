@@ -1,5 +1,5 @@
 #pragma once
-/// A TbbSection whose threads may be pinned by their slot. Executors that are compared know a thread by its slot alone.
+/// A TbbSection whose threads may be pinned by their slot. The compared executors identify a thread by its slot alone.
 
 #include <oneapi/tbb/task_scheduler_observer.h>
 
@@ -31,7 +31,7 @@ private:
     std::unique_ptr<Guest[]> guests_;
 };
 
-/// An own arena; with `pin`, threads are pinned by their slot.
+/// A separate arena; with `pin`, threads are pinned by their slot.
 class PinnedSection : public engine::TbbSection {
 public:
     explicit PinnedSection(const engine::ExecutorOptions& options) : TbbSection(options.threads) {

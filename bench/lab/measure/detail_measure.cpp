@@ -183,7 +183,7 @@ void require_free_dials(const std::vector<std::string>& settings) {
     }
 }
 
-/// At its start; with a share of the automatic step as a fixed one.
+/// Simulation at the scene's start. A share other than 1 of the automatic step becomes a fixed step.
 std::unique_ptr<tasks::Simulation> begin(tasks::Scene scene, double share) {
     auto simulation = std::make_unique<tasks::Simulation>(scene);
     if (share == 1.0) return simulation;
@@ -261,7 +261,7 @@ double processor_time() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// From where the averaging ended.
+/// Times all levels in turns, from the end of the averaging.
 void time_in_turns(std::vector<DetailLevelResult>& levels) {
     std::vector<std::array<double, rounds>> times(levels.size());
     tasks::SilentObserver silent;

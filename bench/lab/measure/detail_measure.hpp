@@ -32,8 +32,8 @@ struct DetailVariant {
     int joint_points;
     model::PulleyDetail pulleys;
     model::PinDetail pins = model::PinDetail::halves;
-    std::string_view preset{};  ///< its name as a level of detail; empty: none
-    double share = 1.0;         ///< of the automatic step; 1: automatic steps [1]
+    std::string_view preset{};  ///< name of the level of detail; empty: none
+    double share = 1.0;         ///< share of the automatic step; 1: automatic steps
     double mass_scaling = 1.0;  ///< [1]
     [[nodiscard]] std::string name() const;
 };
@@ -45,8 +45,8 @@ inline constexpr DetailVariant full_detail{3, model::PlateDetail::each, 8, model
 struct DetailOutcome {
     DetailVariant variant = full_detail;
     int coordinates = 0;
-    double cost = 0.0;                ///< of one right-hand side [s]
-    double step = 0.0;                ///< the last one [s]
+    double cost = 0.0;                ///< time of one evaluation of the right-hand side [s]
+    double step = 0.0;                ///< last step [s]
     double tight = 0.0, slack = 0.0;  ///< [N]
     double tip = 0.0;                 ///< largest axial force of an end of a pin, both halves together, mean over time [N]
     double slip = 0.0, efficiency = 0.0;
@@ -54,10 +54,10 @@ struct DetailOutcome {
     double shift = 0.0;                             ///< relative rate of the ratio at the scene's clamping [1/s]
     double thrust = 0.0;                            ///< S_1/S_2 that holds the target ratio under load; 0: not determined
     double drift = 0.0;                             ///< difference of the tight strand's tension between both halves of the averaging
-    WatchResult watch;                              ///< over the averaging; balance error of the settling included
-    std::string status = "finished";                ///< or "unreliable", or the fault's name
+    WatchResult watch;                              ///< means over the averaging; balance error of the settling included
+    std::string status = "finished";                ///< "finished", "unreliable" or the fault's name
     std::string fault;                              ///< message for that; if not empty, the figures above are invalid
-    std::shared_ptr<tasks::Simulation> simulation;  ///< where the averaging ended
+    std::shared_ptr<tasks::Simulation> simulation;  ///< simulation at the end of the averaging
 };
 
 /// Measures variants of one scene.
@@ -93,7 +93,7 @@ struct LadderPoint {
 struct DetailLevelResult {
     DetailOutcome outcome;
     double seconds = 0.0;  ///< processor time per simulated second, median of rounds of 2 ms, all levels in turns [s/s]
-    double spread = 0.0;   ///< of the rounds, over their median [1]
+    double spread = 0.0;   ///< spread of the rounds over their median
 };
 
 /// Compares the levels of detail at an operating point, each at its automatic step, with the finest level at a quarter of its step.

@@ -8,7 +8,7 @@
 
 namespace cvtflow::bench {
 
-/// @param settle whether a geometric start may be settled   @param what "its errors", "its eigenvalues": for the message
+/// @param settle whether a geometric start may be settled   @param what purpose in the message: "its errors", "its eigenvalues"
 /// @throws tasks::SceneError if the start needs settling and `settle` is false; tasks::SettlingFault
 [[nodiscard]] tasks::FrozenStart settled_start(const tasks::Scene& scene, bool settle, const std::string& what);
 

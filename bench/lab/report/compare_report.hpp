@@ -23,7 +23,7 @@ namespace cvtflow::bench {
 
 /// Result of --front for a choice.
 struct FrontResult {
-    double stable_step = 0.0;  ///< up to which the method is stable [s]; infinite: any
+    double stable_step = 0.0;  ///< longest stable step of the method [s]; infinite: any
     std::optional<Confirmed> confirmed;
     std::string objection;  ///< reason against it, whatever its errors; empty: none
     bool front = false;
@@ -34,32 +34,32 @@ struct FrontResult {
 
 /// One choice of method and step.
 struct ComparedChoice {
-    std::string choice;                 ///< as given: "rk4@50ns"
-    std::vector<std::string> settings;  ///< what it means for the scene
-    Trajectory run;                     ///< of the last round
+    std::string choice;                 ///< choice in the user's words: "rk4@50ns"
+    std::vector<std::string> settings;  ///< settings of the scene that it means
+    Trajectory run;                     ///< run of the last round
     TrajectoryErrors errors;
-    double pin_error = std::numeric_limits<double>::quiet_NaN();  ///< of the pin's axial force [1]
+    double pin_error = std::numeric_limits<double>::quiet_NaN();  ///< error of the pin's axial force
     std::vector<double> seconds;                                  ///< wall time per simulated second, of each round
     FrontResult front_result;
 
     [[nodiscard]] double median() const;
     [[nodiscard]] double mean_step() const { return run.simulated / static_cast<double>(std::max(1L, run.counters.steps)); }
-    /// Its error in forces, infinite where there is an objection, and its time.
+    /// Error in forces, infinite where there is an objection, and time.
     [[nodiscard]] tasks::TradeoffPoint point() const;
 };
 
 /// Settings of the measurement.
 struct CompareSetting {
     std::string scene;
-    std::string reference, duration, interval;  ///< as given
+    std::string reference, duration, interval;  ///< options in the user's words
     WatchResult reference_watch;
     int rounds = 0;
     bool newton = false;            ///< columns of Newton's method
-    std::optional<PinEntry> pin;    ///< whose force is compared
-    bool front = false;             ///< columns and recommendations of the Pareto front, and what follows
+    std::optional<PinEntry> pin;    ///< pin whose force is compared
+    bool front = false;             ///< whether there are columns and recommendations of the Pareto front, and the members below
     double confirm = 0.0;           ///< length of the long runs [s]
     std::string confirm_reference;  ///< Confirmation::reference_text()
-    WatchResult confirm_watch;      ///< of that run
+    WatchResult confirm_watch;      ///< means of that reference
 };
 
 /// Target errors of the recommendations.

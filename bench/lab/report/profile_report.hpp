@@ -21,7 +21,7 @@ namespace cvtflow::bench {
 [[nodiscard]] std::string serial_text(const Profile& profile);
 /// Processors that the calibrations obtained, and the number that a prediction requires; empty without calibration.
 [[nodiscard]] std::string crowding_text(const Profile& profile);
-/// Why a profile has no prediction.
+/// Reason why a profile has no prediction.
 [[nodiscard]] std::string no_prediction_text(const Profile& profile);
 /// Costs, three curves and the critical path beside measurements; on a busy machine the reason for their absence.
 [[nodiscard]] std::string model_text(const Profile& profile);

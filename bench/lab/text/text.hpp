@@ -28,7 +28,7 @@ namespace cvtflow::bench {
 
 /// Residual of the energy balance over the losses, "3.1e-05"; "-" for a run that ended early.
 [[nodiscard]] std::string residual_cell(const tasks::Fault& fault, const WatchResult& watch);
-/// For a run whose balance does not close; empty for others.
+/// Remark on a run whose balance does not close; empty for others.
 [[nodiscard]] std::string unreliable_remark(const tasks::Fault& fault, const WatchResult& watch);
 /// "240 us are 0.3 pin periods: slip and efficiency are means over at least 16 (about 11 ms here)"; empty if it is long enough.
 [[nodiscard]] std::string too_short(const WatchResult& watch);

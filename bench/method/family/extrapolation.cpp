@@ -18,7 +18,7 @@ namespace {
 
 using Row = std::vector<double>;
 
-/// Lagrange's weights of the sequences first, first + 1, …; earlier ones get 0.
+/// Lagrange's weights of the sequences first, first + 1, …; 0 for earlier ones.
 Row sequence_weights(const std::vector<int>& sub_steps, std::size_t first, int power) {
     Row weights(sub_steps.size(), 0.0);
     for (std::size_t j = first; j < sub_steps.size(); ++j) {
@@ -36,7 +36,7 @@ struct Unrolling {
     std::vector<Row> rows;
     std::vector<Row> results;
 
-    /// The slope of the newest stage of all gets `factor` in a copy of the row.
+    /// Copy of a row with `factor` for the slope of the newest stage.
     [[nodiscard]] static Row with(const Row& row, std::size_t stage, double factor) {
         Row longer(stage + 1, 0.0);
         std::copy(row.begin(), row.end(), longer.begin());

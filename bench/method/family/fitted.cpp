@@ -58,7 +58,7 @@ double ChebyshevBasis::derivative(int j, int p) const noexcept {
     return power * t_[p][static_cast<std::size_t>(j)];
 }
 
-/// Y_j from Y_0, Y_{j-1}, Y_{j-2} and their slopes; all stages stay in slots of their own until the end.
+/// Y_j from Y_0, Y_{j-1}, Y_{j-2} and their slopes; all stages stay in separate slots until the end.
 Stage ChebyshevBasis::row(int j) const {
     if (j == 1) return {{{0, 1.0}}, {{0, b(1) * w1_}}, 1, basis_slope_slot(1)};
     const double mu = 2.0 * b(j) * w0_ / b(j - 1), nu = -b(j) / b(j - 2);
@@ -266,7 +266,7 @@ std::optional<FittedMethod> fit_points(const FitRequest& request, const std::vec
     return FittedMethod{basis.plan(alpha), *iterations, least_squares.largest()};
 }
 
-/// Grows until a fit is found, then halves the interval: what s stages can do, s + 1 can too.
+/// Increases the stages until a fit is found, then halves the interval: if s stages suffice, so do s + 1.
 std::optional<FittedMethod> min_stages(const FitRequest& request, const std::vector<Point>& points) {
     int too_few = std::max(min_fitted_stages, static_cast<int>(std::sqrt(request.real / 0.85))) - 1;
     int enough = too_few + 1;

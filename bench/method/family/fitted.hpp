@@ -51,14 +51,14 @@ struct FitRequest {
     double imaginary = 2.0;       ///< W: |z| up to W with at least the damping ratio below
     int order = 3;                ///< 2 or 3
     double ripple = 0.2;          ///< |R| allowed on [-L, -4]
-    double damping_ratio = 0.01;  ///< of oscillations, the smallest [1]
+    double damping_ratio = 0.01;  ///< smallest damping ratio of oscillations
 
     bool operator==(const FitRequest&) const = default;
 };
 
 struct FittedMethod {
     StagePlan plan;
-    int iterations = 0;    ///< of Lawson's method
+    int iterations = 0;    ///< iterations of Lawson's method
     double largest = 0.0;  ///< max |R(z_i)|/bound_i at its end: ≤ 1 [1]
 };
 

@@ -22,12 +22,12 @@ struct RecurrenceRow {
     double slope, older;  ///< [1]
 };
 
-/// Extended precision: what is left of a long recurrence after rounding has to be of its order to the last digits.
+/// Polynomial in extended precision: after the rounding of a long recurrence the order still holds to the last digits.
 struct NearOptimalPolynomial {
     int degree = 0;
     long double origin = 1.0L;    ///< a > 1: x of z = 0 [1]
     long double scale = 1.0L;     ///< dz/dx [1]
-    std::vector<ZeroPair> zeros;  ///< of w, as many as half the order
+    std::vector<ZeroPair> zeros;  ///< zeros of w, half as many pairs as the order
     std::vector<long double> centre,
         coupling;  ///< monic recurrence P_j = (x - centre_j) P_{j-1} - coupling_j P_{j-2}, j = 1 … degree - order
 

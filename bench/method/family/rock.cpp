@@ -73,7 +73,7 @@ struct Moments {
     Real bccc, bcd, bacc, bad;  ///< order 4; Σ b a c², Σ b a d
 };
 
-/// From the order conditions of the composition, one after the other. @param g of the state where the finish begins
+/// Moments by the order conditions of the composition, one after the other. @param g series of the state where the finish begins
 Moments moments(const Series& g) noexcept {
     const Real c = g[1], d = g[2];
     Moments m{};
@@ -111,7 +111,7 @@ std::array<Real, 3> estimate(Real c2, Real c3, Real c4, Real d3, Real d4, std::a
     return {(right[0] - c3 * x3 - c4 * x4) / c2, x3, x4};
 }
 
-/// Solves the eight conditions in closed form: b from the moments of times, then a32 and what a42, a43 sum to from those of d, then a43;
+/// Solves the eight conditions in closed form: b from the moments of times, then a32 and the sum of a42 and a43 from those of d, then a43;
 /// the last condition leaves one equation, linear in each of c2 and c4 and without c3.
 Finish finish_of(const Moments& m) noexcept {
     const Real c2 = second_time * m.b, c3 = third_time * m.b;

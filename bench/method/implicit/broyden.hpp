@@ -18,13 +18,13 @@ public:
     [[nodiscard]] bool full() const noexcept { return count_ == most_; }
     [[nodiscard]] int count() const noexcept { return count_; }
 
-    /// x ← B⁻¹ B_0 x. @param x [m/s]   @param from leave out the updates before this one
+    /// x ← B⁻¹ B_0 x. @param x [m/s]   @param from first update to apply
     void apply(double* x, int from = 0) const noexcept;
-    /// After a step s = λ d that turned the residual r into r⁺:  u = (s - w)/(s·w), w = B⁻¹ (r⁺ - r). Ignored if s·w vanishes or no room is
-    /// left.
+    /// Adds the update of a step s = λ d that turned the residual r into r⁺:  u = (s - w)/(s·w), w = B⁻¹ (r⁺ - r). Ignored if s·w vanishes
+    /// or no room is left.
     void add(const double* s, const double* w) noexcept;
 
-    /// The updates, appended to `memory` / taken back from its front. @return what is left
+    /// Appends the updates to `memory`, takes them back from its front. @return rest of the memory
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 

@@ -63,7 +63,7 @@ void ImplicitMatrix::find_seen(const model::Variator& variator) {
     }
 }
 
-/// Border unknowns that the inner links of a chunk see.
+/// Border unknowns that the inner links of a chunk are coupled to.
 int ImplicitMatrix::list_border(int chunk, const std::optional<int>* shafts, int* list) const noexcept {
     std::array<bool, 2> touched{};
     for (int link = range(chunk).first; link + 1 < range(chunk).last; ++link) {

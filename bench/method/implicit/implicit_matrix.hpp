@@ -1,5 +1,5 @@
 #pragma once
-/// The matrix of every implicit stage, in velocities alone: with q = q* + θ v the coordinates are eliminated, and what is left of
+/// The matrix of every implicit stage, in velocities alone: with q = q* + θ v the coordinates are eliminated, which reduces
 /// I - θ ∂f/∂y is   G = I - θ D - θ² K   (D, K: derivatives of accelerations with respect to velocities and coordinates; the inertia's
 /// inverse is in them). Cyclic block-tridiagonal in links, pulleys and control as border.
 
@@ -14,7 +14,7 @@
 
 namespace cvtflow::bench {
 
-/// Which links see which sheaves: those that touch, by the shaft that their tips were computed with.
+/// Sheaves that each link touches, by the shaft that its tips were computed with.
 struct ContactMap {
     const model::Phase* phases;    ///< [4 links]
     const model::LinkLoad* loads;  ///< [links]
@@ -30,12 +30,12 @@ public:
     [[nodiscard]] const bench::CyclicBorder::Range& range(int chunk) const noexcept { return system_.range(chunk); }
     /// Numbers in a right-hand side: velocities link by link, then the border's.
     [[nodiscard]] int unknowns() const noexcept { return system_.unknowns(); }
-    /// Pulley coordinates that the chain sees of a shaft.
+    /// Pulley coordinates of a shaft on which the chain depends.
     [[nodiscard]] const std::vector<int>& seen(int shaft) const noexcept { return seen_[static_cast<std::size_t>(shaft)]; }
 
     /// Enters G for the links of a chunk and eliminates its inner ones. @param theta θ [s]   @param shafts [links] ContactMap::shaft()
     void eliminate(int chunk, double theta, const bench::AccelerationJacobian& jacobian, const std::optional<int>* shafts) noexcept;
-    /// After all chunks: pulleys and separators. theta [s]
+    /// Eliminates pulleys and separators, after all chunks. theta [s]
     void join(double theta, const bench::AccelerationJacobian& jacobian) noexcept;
     /// Whether the last factorisation met no vanishing pivot.
     [[nodiscard]] bool sound() const noexcept;

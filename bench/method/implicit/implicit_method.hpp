@@ -21,7 +21,7 @@
 
 namespace cvtflow::bench {
 
-/// The method's own cycles.
+/// Cycles of the method.
 enum ImplicitCycle : int { prepare_cycle = method_cycles, jacobian_cycle, factor_cycle, solve_cycle, update_cycle };
 
 class ImplicitMethod : public StepMethod {
@@ -29,7 +29,7 @@ public:
     explicit ImplicitMethod(Workspace& workspace);
 
     void add_tasks(engine::TaskGraph& graph) override;
-    /// Stiff accelerations make no good interpolants.
+    /// A transition repeats the step: stiff accelerations make no good interpolants.
     [[nodiscard]] AtTransition at_transition() const noexcept override { return AtTransition::repeat; }
 
     // Bodies of the cycles.
@@ -51,9 +51,9 @@ protected:
     [[nodiscard]] int take_jacobian(double c, int state_slot, int slope_slot) noexcept;
     /// Factor cycle for I - θ D - θ² K. theta [s]
     [[nodiscard]] int factorise(double theta) noexcept;
-    /// Jacobian, θ and contacts of the last factorisation: appended to `memory`.
+    /// Appends Jacobian, θ and contacts of the last factorisation to `memory`.
     void save_factors(std::vector<double>& memory) const;
-    /// Takes them back from the front of `memory` and factorises again: the same bits. @return what is left
+    /// Takes them back from the front of `memory` and factorises again: the same bits. @return rest of the memory
     [[nodiscard]] std::span<const double> load_factors(std::span<const double> memory);
 
     [[nodiscard]] double* state(int slot) const noexcept { return w_.states[static_cast<std::size_t>(slot)]; }
@@ -69,7 +69,7 @@ protected:
     std::vector<std::optional<int>> shafts_;     ///< [links] ContactMap::shaft() at the last factorisation
     std::vector<double> right_side_, solution_;  ///< [matrix_.unknowns()]
     long jacobians_ = 0, factorisations_ = 0, solves_ = 0;
-    double theta_ = 0.0;           ///< of the matrix [s]
+    double theta_ = 0.0;           ///< θ of the matrix [s]
     bool exact_ = false;           ///< Jacobian by the model's derivatives, not by differences
     bool finish_in_tasks_ = true;  ///< finish() is called by the backward tasks
 

@@ -4,7 +4,7 @@
 ///     evaluate ─► [jacobian] ─► factor ─► prepare ─► solve ─► evaluate ─► prepare ─► solve ─► …
 ///
 /// Coordinates are eliminated: with the right-hand side (r_q, r_v), u_v solves (I - θ D - θ² K) u_v = r_v + θ K r_q, and u_q = r_q + θ u_v.
-/// The ledger is a quadrature: no column of J sees it, and its rows are left out of J, which a W-method may do.
+/// The ledger is a quadrature: no column of J depends on it, and J leaves out its rows, which a W-method may do.
 
 #include "bench/method/implicit/implicit_method.hpp"
 #include "bench/method/implicit/linear_plan.hpp"
@@ -37,7 +37,7 @@ private:
 
     const LinearPlan plan_;
     const LinearTimes times_;
-    std::vector<std::vector<engine::Term>> states_, rights_;  ///< [stage] in state slots
+    std::vector<std::vector<engine::Term>> states_, rights_;  ///< [stage] sums in state slots
     std::vector<engine::Term> result_;
     std::size_t stage_ = 0;
     bool has_jacobian_ = false;
@@ -47,7 +47,7 @@ private:
 };
 
 [[nodiscard]] ProgramStability linear_stability(const LinearPlan& plan);
-/// All variants converge to the same step.
+/// Stability of the trapezoidal rule: all variants converge to the same step.
 [[nodiscard]] ProgramStability trapezoidal_stability();
 
 }  // namespace cvtflow::bench

@@ -3,7 +3,7 @@
 ///
 ///     (I - γ h J) u_i = γ (h f(t + c h, y + Σ a u_j) + Σ c u_j),      y⁺ = y + Σ m u_i,
 ///
-/// with a J of its own choosing: a W-method keeps its order for any J. The time of a stage is derived as for a J that knows no time.
+/// with any J: a W-method keeps its order. The time of a stage is derived as if J did not depend on time.
 /// Slots of the table are numbers of stages.
 
 #include <string>
@@ -22,7 +22,7 @@ struct LinearStage {
 
 struct LinearPlan {
     std::string name, description, source;
-    int order;  ///< for any J
+    int order;  ///< order for any J
     std::vector<LinearStage> stages;
     std::vector<engine::Term> result;  ///< m
 };
@@ -41,7 +41,7 @@ struct LinearTimes {
 /// Linearly implicit Euler steps, 1 … order of them over the step, extrapolated. @param order 1 … 4
 [[nodiscard]] LinearPlan extrapolated_w(int order);
 
-/// All of them; each has a row in the implementation.
+/// All linear plans; each has a row in the implementation.
 [[nodiscard]] const std::vector<LinearPlan>& linear_plans();
 
 }  // namespace cvtflow::bench

@@ -178,8 +178,8 @@ namespace {
 
 /// Least share of a Newton step that is tried: with a matrix of this iterate, and with an older one.
 constexpr double shortest = 1.0 / 256.0, shortest_with_old = 1.0 / 8.0;
-/// A matrix is given up when the residual falls by less than this factor, once it has had some iterations to show what it can: few if it is
-/// kept over steps, many if it is of this step.
+/// Factor of the residual above which a matrix is given up, after some iterations: few with a matrix kept over steps, many with one of this
+/// step.
 constexpr double poor_contraction = 0.5;
 constexpr int iterations_with_old = 3, iterations_with_new = 10;
 constexpr int max_updates = 30;
@@ -288,7 +288,7 @@ void TrapezoidalMethod::accept_trial(double norm) noexcept {
     if (end_slope_) finish_step();
 }
 
-/// By the variant's rule.
+/// Change of the matrix by the variant's rule.
 TrapezoidalMethod::Matrix TrapezoidalMethod::next_matrix() noexcept {
     if (std::exchange(renew_, false)) return Matrix::new_jacobian;
     const bool by_rule =
@@ -373,7 +373,7 @@ void TrapezoidalMethod::broyden_direction() noexcept {
     finish(0, w_.layout().links);
 }
 
-/// Squares of the change over what each row sees.
+/// Sums the squares of the change over the unknowns of each row.
 int TrapezoidalMethod::begin_update() noexcept {
     const ContactMap contacts{w_.tips.phases.data(), w_.links.loads.data()};
     squares_[0] = squares_[1] = 0.0;

@@ -14,8 +14,8 @@ namespace cvtflow::bench {
 
 /// Where the matrix of an iteration comes from.
 enum class NewtonMatrix {
-    every_iteration,  ///< Jacobian anew in each iteration
-    once_per_step,    ///< at the start of each step
+    every_iteration,  ///< new Jacobian in each iteration
+    once_per_step,    ///< new Jacobian at the start of each step
     frozen,           ///< kept over steps until it no longer converges
     broyden,          ///< kept over steps, with Broyden's rank-one updates of its inverse
     schubert,         ///< kept over steps, with Broyden's updates within the sparsity (Schubert 1970) and a new factorisation each
@@ -26,7 +26,7 @@ enum class NewtonMatrix {
 /// Where the iteration starts.
 enum class NewtonStart {
     rest,   ///< velocities of the step's start
-    euler,  ///< explicit Euler: the friction of a contact that should stick may throw it across
+    euler,  ///< explicit Euler: the friction of a contact that should stick may overshoot
 };
 
 struct NewtonOptions {
@@ -40,7 +40,7 @@ struct NewtonOptions {
 
 /// Counters of the solves so far. All monotone.
 struct NewtonStatistics {
-    long steps = 0;  ///< solved for, retaken ones included
+    long steps = 0;  ///< steps solved for, retaken ones included
     long iterations = 0;
     long most = 0;  ///< iterations of the worst step, converged or not
     long jacobians = 0;
@@ -61,7 +61,7 @@ struct NewtonStatistics {
 class TrapezoidalRule : public ImplicitMethod {
 public:
     static constexpr int state_slots = 4;  ///< start, iterate, increment, trial
-    static constexpr int slope_slots = 3;  ///< of the controller, of the trial, of the start
+    static constexpr int slope_slots = 3;  ///< slopes of the controller, the trial and the start
 
     void phases_changed() noexcept override { start_slope_ = end_slope_ = false; }  // a kept Jacobian may still serve
 
@@ -77,15 +77,15 @@ protected:
     [[nodiscard]] bool knows_start_slope() noexcept;
     [[nodiscard]] int evaluate_start() noexcept;
     [[nodiscard]] int predict() noexcept;
-    void start_tail() noexcept;                                ///< after the cycle of predict()
+    void start_tail() noexcept;                                ///< called after the cycle of predict()
     [[nodiscard]] int evaluate_trial(double lambda) noexcept;  ///< lambda [1]; 0: the iterate again
-    [[nodiscard]] double residual_norm() noexcept;             ///< of the trial, after the prepare cycle [m/s]
-    void finish_tail() noexcept;                               ///< after the solve cycle
+    [[nodiscard]] double residual_norm() noexcept;             ///< norm of the trial's residual, after the prepare cycle [m/s]
+    void finish_tail() noexcept;                               ///< called after the solve cycle
     void take_iterate() noexcept;
 
     int iterate_ = 1, trial_ = 3;   ///< state slots; slot 2 holds the increment
-    bool end_slope_ = false;        ///< slope slot 1 is that of the last step's end
-    std::vector<double> residual_;  ///< of the trial, [unknowns]
+    bool end_slope_ = false;        ///< slope slot 1 holds the end of the last step
+    std::vector<double> residual_;  ///< [unknowns] residual of the trial
 
 private:
     void start_link(int link) noexcept;
@@ -96,9 +96,9 @@ private:
     const double link_mass_;  ///< [kg]
     engine::Term terms_[2]{};
     double time_of_start_ = 0.0;    ///< [s]
-    bool start_slope_ = false;      ///< slope slot 2 is that of the last step's start
+    bool start_slope_ = false;      ///< slope slot 2 holds the start of the last step
     bool predicting_ = false;       ///< a prepare cycle makes the start of the iteration, not a residual
-    std::vector<double> energies_;  ///< [links] of the residual
+    std::vector<double> energies_;  ///< [links] energies of the residual
 };
 
 /// Steps of the trapezoidal rule, solved by Newton's method in velocities alone.
@@ -150,11 +150,11 @@ private:
     bool refreshed_ = false;  ///< a Jacobian beyond the rule in this step
     int iterations_ = 0, since_jacobian_ = 0;
     double norm_ = 0.0, lambda_ = 1.0,
-           contraction_ = 0.0;             ///< of the residual [m/s]; share of the Newton step taken and rate of convergence [1]
-    std::vector<double> residual_before_;  ///< of the iterate before [velocities] [m/s]
-    std::vector<double> step_;             ///< Newton direction [velocities] [m/s]
-    std::vector<double> change_;           ///< step taken [velocities] [m/s]
-    double squares_[3]{};                  ///< of the change: links on shaft 0, on shaft 1, border [m²/s²]
+           contraction_ = 0.0;             ///< residual norm [m/s]; share of the Newton step taken; rate of convergence
+    std::vector<double> residual_before_;  ///< [velocities] residual of the iterate before [m/s]
+    std::vector<double> step_;             ///< [velocities] Newton direction [m/s]
+    std::vector<double> change_;           ///< [velocities] step taken [m/s]
+    double squares_[3]{};                  ///< squares of the change: links on shaft 0, on shaft 1, border [m²/s²]
 };
 
 }  // namespace cvtflow::bench

@@ -1,6 +1,6 @@
 #pragma once
-/// A number with its derivatives in N directions (forward differentiation), as lanes of a width of its own: what is written over Lanes<W>
-/// yields exact Jacobians with W = directions<N>, kinks of friction laws included, where the branch taken is that of the value.
+/// A number with its derivatives in N directions (forward differentiation), as lanes with a separate width tag: code over Lanes<W> yields
+/// exact Jacobians with W = directions<N>, kinks of friction laws included, where the branch taken is that of the value.
 
 #include <array>
 #include <cmath>
@@ -18,8 +18,8 @@ inline constexpr int directions = -N;
 template <int W>
 requires(W < 0) struct Lanes<W> {
     static constexpr std::size_t count = -W;
-    double value = 0.0;                 ///< [unit of the quantity]
-    std::array<double, count> slope{};  ///< by direction [unit of the quantity per unit of the variable]
+    double value = 0.0;
+    std::array<double, count> slope{};  ///< derivatives by direction
 
     Lanes() noexcept = default;
     Lanes(double constant) noexcept : value(constant) {}  // constants are written as numbers in formulas

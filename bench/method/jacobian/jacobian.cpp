@@ -235,7 +235,7 @@ ColouredJacobian::ColouredJacobian(const model::Variator& variator, int batches)
       colours_(layout_.links < 3 ? layout_.links : 3 + layout_.links % 3),
       scratch_(static_cast<std::size_t>(batches), Scratch(layout_)) {}
 
-/// Links beyond the last multiple of three have colours of their own.
+/// Colour of a link; links beyond the last multiple of three have separate colours.
 int ColouredJacobian::colour(int link) const noexcept {
     const int regular = layout_.links < 3 ? 0 : layout_.links - layout_.links % 3;
     return link < regular ? link % 3 : colours_ - (layout_.links - link);
@@ -308,7 +308,7 @@ void ColouredJacobian::chain_group(int group, const BasePoint& base, Scratch& ow
     move_colour(which, offset, 0.0, base, own);
 }
 
-/// A pulley's coordinate or velocity, or the control integral, moves alone: the links that touch and the pulleys see it.
+/// A pulley's coordinate or velocity, or the control integral, moves alone: the touching links and the pulleys depend on it.
 void ColouredJacobian::pulley_group(int index, const BasePoint& base, Scratch& own, AccelerationJacobian& out) const noexcept {
     const int size = layout_.link_size(), half = layout_.pulley_size, border = out.border();
     const With with = index < half ? With::position : With::velocity;

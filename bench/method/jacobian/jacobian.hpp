@@ -11,13 +11,13 @@
 
 namespace cvtflow::bench {
 
-// Derivatives of all accelerations with respect to coordinates and velocities, as blocks: a link sees its two neighbours and, while it
-// touches, the sheaves of its pulley. The pulleys' block counts the integrals I of controllers, where there are any, as its last unknowns:
-// velocities without a coordinate, whose "acceleration" is I'.
+// Derivatives of all accelerations with respect to coordinates and velocities, as blocks: a link depends on its two neighbours and, while
+// it touches, on the sheaves of its pulley. The pulleys' block has the integrals I of controllers, if any, as its last unknowns: velocities
+// without a coordinate, whose "acceleration" is I'.
 
-/// With respect to what: coordinates (K) or velocities (D).
+/// Variable of a derivative: coordinates (K) or velocities (D).
 enum class With { position = 0, velocity = 1 };
-/// Whose: of the link before, the link itself, the link after.
+/// Link of the variable: the link before, the same link, the link after.
 enum class Near { before = 0, same = 1, after = 2 };
 
 class AccelerationJacobian {
@@ -49,7 +49,7 @@ public:
         return numbers_.data() + corner_begin_ + static_cast<int>(with) * border_ * border_;
     }
 
-    /// All of them, one block after the other.
+    /// All blocks, one after the other.
     [[nodiscard]] std::span<double> numbers() noexcept { return numbers_; }
     [[nodiscard]] std::span<const double> numbers() const noexcept { return numbers_; }
     [[nodiscard]] std::size_t bytes() const noexcept { return numbers_.size() * sizeof(double); }
@@ -83,11 +83,11 @@ public:
     /// Rows of the links [first, last): blocks, columns, and rows of the pulleys on them. Ranges are independent of each other. state
     /// [unknowns]
     void links(const double* state, const Phase* phases, int first, int last, AccelerationJacobian& out) noexcept;
-    /// Pulleys and control on themselves, after all links: their own part by differences (supports and gyroscopic moments are polynomials
-    /// of second degree, for which central differences are exact), the tips' part from what links() has left. t [s], state [unknowns]
+    /// Pulleys and control on themselves, after all links: their supports and gyroscopic moments by central differences, which are exact
+    /// for polynomials of second degree, the tips' part from the results of links(). t [s], state [unknowns]
     void corner(double t, const double* state, const Phase* phases, AccelerationJacobian& out) noexcept;
 
-    /// Where a sheave's motion comes from and its loads go to; number 2 shaft + side.
+    /// Origin of a sheave's motion and destination of its loads; number 2 shaft + side.
     struct SheaveMap {
         std::array<int, sheave_directions> coordinate;  ///< pulley coordinate of each direction, -1: none
         struct Effect {
@@ -113,18 +113,18 @@ private:
 };
 
 // The Jacobian by differences, many columns per evaluation (Curtis, Powell, Reid 1974): links that share no neighbour have one colour and
-// are moved together. Three colours where the number of links is divisible by three, else up to five; each pulley coordinate is a group of
-// its own.
+// are moved together. Three colours where the number of links is divisible by three, else up to five; each pulley coordinate is a separate
+// group.
 //
 //     groups = colours x link_size x {q, v}  +  2 pulley_size  +  control
 //
 // Groups are independent of each other and share their base point: coarse tasks for a task graph.
 
-/// Where the derivative is taken, with what an evaluation there has left.
+/// Point at which the derivative is taken, with the results of an evaluation there.
 struct BasePoint {
     double time = 0.0;                         ///< [s]
     const double* state = nullptr;             ///< [layout.size()]
-    const double* slope = nullptr;             ///< its slope [unknowns]
+    const double* slope = nullptr;             ///< slope at the state [unknowns]
     const model::Phase* phases = nullptr;      ///< [4 links]
     const model::LinkLoad* loads = nullptr;    ///< [links]
     const model::Account* accounts = nullptr;  ///< [links * account_parts], only with a ledger
@@ -132,11 +132,11 @@ struct BasePoint {
 
 class ColouredJacobian {
 public:
-    /// One-sided differences: small against contact depths (µm) and saturation speeds (mm/s), large against rounding.
+    /// Steps of one-sided differences: small against contact depths (µm) and saturation speeds (mm/s), large against rounding.
     static constexpr double position_step = 1e-9;  ///< [m] or [rad]
     static constexpr double velocity_step = 1e-6;  ///< [m/s] or [rad/s]
 
-    /// @param batches shares that are worked on side by side, each with memory of its own   @param variator must outlive this
+    /// @param batches shares that are processed in parallel, each with separate memory   @param variator must outlive this
     ColouredJacobian(const model::Variator& variator, int batches);
 
     [[nodiscard]] int batches() const noexcept { return static_cast<int>(scratch_.size()); }
@@ -152,7 +152,7 @@ private:
         explicit Scratch(const model::ChainLayout& layout);
         model::EvaluationScratch evaluation;
         std::vector<double> slope, tail;     ///< [unknowns, per second]
-        std::vector<double> zero, reaction;  ///< pulleys at rest; what reactions of a link do to them
+        std::vector<double> zero, reaction;  ///< pulleys at rest; effect of a link's reactions on them
     };
 
     [[nodiscard]] int chain_groups() const noexcept { return 2 * colours_ * layout_.link_size(); }

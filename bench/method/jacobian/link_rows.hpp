@@ -1,5 +1,5 @@
 #pragma once
-/// Rows of one link in the exact Jacobian: the elements of model/force over numbers with derivatives, and what they contribute.
+/// Rows of one link in the exact Jacobian: the elements of model/force over numbers with derivatives, and their contributions.
 
 #include <cstring>
 
@@ -20,11 +20,11 @@ namespace {
 // The elements of model/force at one point - a plate, a point of a joint, a tip - over numbers with derivatives. Their arguments are the
 // same for every order of the axis, so they are compiled once.
 
-/// A plate sees a difference of order 0: x, y, z and their rates.
+/// A plate depends on a difference of order 0: x, y, z and their rates.
 inline constexpr int six = directions<6>;
-/// So does a point of a joint, with the direction and turning of both links: x, y, three rates, three of each link.
+/// A point of a joint depends on x, y, three rates, and direction and turning of both links, three each.
 inline constexpr int eleven = directions<11>;
-/// A tip sees the axis as a straight line, of order 1: five of the half, the link's direction, five rates, the turning, the sheave's
+/// A tip depends on the axis as a straight line, of order 1: five of the half, the link's direction, five rates, the turning, the sheave's
 /// motion.
 inline constexpr int two_dozen = directions<24>;
 
@@ -61,7 +61,7 @@ struct TipEffect {
     TipReaction<Lanes<two_dozen>> reaction{};
 };
 
-/// A tip on one side, or nothing where it has a gap. q, v: of a link of order 1, whose rear half is the tip's
+/// Effect of a tip on one side, none where it has a gap. q, v: of a link of order 1, whose rear half is the tip's
 template <int side>
 [[nodiscard, gnu::noinline]] inline TipEffect tip_at(const Coefficients& c, const LinkFrameOf<Lanes<two_dozen>>& frame,
                                                      const Lanes<two_dozen>* q, const Lanes<two_dozen>* v,
@@ -76,8 +76,8 @@ template <int side>
     return {tip_action(c, frame, geometry, motion, forces), tip_reaction(geometry, motion, forces)};
 }
 
-// Derivatives of one link's generalized forces with respect to its own unknowns, those of its two neighbours, and the motion of its
-// sheaves: rows of forces and one of the moment about z, filled contribution by contribution.
+// Derivatives of one link's generalized forces with respect to its unknowns, those of its two neighbours, and the motion of its sheaves:
+// rows of forces and one of the moment about z, filled contribution by contribution.
 
 /// Frame of a link, differentiated in (dx, dy, vx, vy), the difference of its halves and its rate.
 using DualFrame = LinkFrameOf<Dual<4>>;
@@ -335,15 +335,15 @@ private:
     }
 
     bool of_after_;
-    double moment_ = 0.0;                            ///< on the link [N·m]
+    double moment_ = 0.0;                            ///< moment on the link [N·m]
     double local_[Weights::count + 1][inputs] = {};  ///< [force or moment][input]
 };
 
 // Contributions of tips to the rows of a link and of the pulleys: the element of model/force, over numbers with derivatives.
 
-/// One tip: how its motion depends on the link's unknowns, and what it does.
-/// Seen from its tip, the axis of a pin half is a straight line, that is one of order 1: its coefficients c_0, c_1 along x and y, and z at
-/// its end, are what the tip depends on.
+/// Motion of one tip by the link's unknowns, and its effect.
+/// The axis of a pin half is a straight line for a tip, one of order 1, which depends on its coefficients c_0, c_1 along x and y, and z at
+/// its end.
 template <int P>
 class TipRows {
 public:
@@ -387,7 +387,7 @@ public:
         rows.moment += effect_.action.moment.value;
     }
 
-    /// Rows of the pulleys on this link, and the effect of the sheave's own motion on it.
+    /// Adds rows of the pulleys on this link, and the effect of the sheave's motion on the sheave.
     void add_to_sheave(const ExactJacobian::SheaveMap& sheave, int link, AccelerationJacobian& out,
                        SheaveStiffness& stiffness) const noexcept {
         constexpr int n = LinkRows<P>::size;
@@ -429,7 +429,7 @@ private:
         return {{d[0], d[1], d[2]}, d[3], d[4], {d[5], d[6], d[7]}, {d[8], d[9], d[10]}};
     }
 
-    /// Derivatives of one number with respect to the link's own unknowns and its sheaves' motion.
+    /// Derivatives of one number with respect to the link's unknowns and its sheaves' motion.
     void expand(const T& part, double* out) const noexcept {
         using Rows = LinkRows<P>;
         std::memset(out + Rows::column(1, With::position, 0), 0, 2 * Rows::size * sizeof(double));
@@ -456,7 +456,7 @@ private:
 
     const DualFrame& frame_;
     End end_;
-    double sign_;  ///< of the side [1]
+    double sign_;  ///< sign of the side
     int side_;
     double value_[P + 1], slope_[P + 1];  ///< weights of coordinates in the end of the axis, and in its slope over slope_scale [1]
     double start_[P + 1];                 ///< weights of coordinates in c_0 of the straight line [1]

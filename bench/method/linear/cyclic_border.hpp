@@ -1,5 +1,5 @@
 #pragma once
-/// LU of a cyclic block-tridiagonal matrix with a border: every block sees its two neighbours in a ring and some of the border's unknowns.
+/// LU of a cyclic block-tridiagonal matrix with a border: every block is coupled to its neighbours in a ring and to some border unknowns.
 ///
 ///     L_i x_{i-1} + D_i x_i + U_i x_{i+1} + C_i y = f_i     i = 0 … blocks-1, cyclic
 ///     Σ_i R_i x_i + B y = g
@@ -20,7 +20,7 @@
 
 namespace cvtflow::bench {
 
-// Small dense kernels on row-major matrices: what the block solver is made of. Each entry's sum is taken in one fixed order without fused
+// Small dense kernels on row-major matrices, for the block solver. Each entry's sum is taken in one fixed order without fused
 // multiply-adds, so results are bitwise the same on every machine. Nothing is allocated.
 
 /// C -= A B.   A is [rows × inner], B [inner × columns], C [rows × columns]; a `stride` is the distance of two rows.
@@ -28,10 +28,10 @@ void subtract_product(int rows, int inner, int columns, const double* a, int a_s
                       int c_stride) noexcept;
 
 /// P A = L U in place with row exchanges: row k was exchanged with row exchanges[k] ≥ k. A is [size × size], rows `size` apart.
-/// @return false if a pivot is zero or not finite; A is then of no use
+/// @return false if a pivot is zero or not finite; A is then invalid
 [[nodiscard]] bool factorise(int size, double* a, int* exchanges) noexcept;
 
-/// X ← A⁻¹ X with what factorise() left. X is [size × columns].
+/// X ← A⁻¹ X with the result of factorise(). X is [size × columns].
 void solve_factorised(int size, const double* lu, const int* exchanges, double* x, int stride, int columns) noexcept;
 
 /// Elimination of a run of blocks between two separators: the unit of parallel work of the cyclic solver.
@@ -39,10 +39,10 @@ void solve_factorised(int size, const double* lu, const int* exchanges, double* 
 ///     interior rows     L_i x_{i-1} + D_i x_i + U_i x_{i+1} + C_i y = f_i          i = 0 … count-1,  x_{-1} = left, x_{count} = right
 ///     outer rows        the part of the left separator's and of the border's rows that lies on the interior: [U_left on x_0; R_i on x_i]
 ///
-/// After eliminate() the interior is expressed by left, right and the border's active unknowns y, and what it adds to their rows is known.
+/// After eliminate() the interior is expressed by left, right and the border's active unknowns y, with its contribution to their rows.
 class BlockChain {
 public:
-    /// Where the entries of one interior block go; row-major.
+    /// Places of the entries of one interior block; row-major.
     struct Rows {
         double* lower;     ///< L [size × size]
         double* diagonal;  ///< D [size × size]
@@ -55,7 +55,7 @@ public:
     /// @param count interior blocks, may be 0   @param border most active border unknowns
     BlockChain(int count, int size, int border);
 
-    /// Number of border unknowns that this run sees; clears all entries.
+    /// Sets the number of border unknowns that this run is coupled to; clears all entries.
     void clear(int active) noexcept;
     [[nodiscard]] Rows block(int i) noexcept;
     /// L of the right separator's row, on the last interior block. Without interior: on the left separator.
@@ -70,13 +70,13 @@ public:
     /// rows.
     [[nodiscard]] const double* right_row() const noexcept { return right_row_.data(); }
     [[nodiscard]] int stride() const noexcept { return 2 * size_ + active_; }
-    /// Its contribution to the outer rows (left separator, then active border rows), size + active of them: [on right | on left | on
+    /// Contribution of the run to the outer rows (left separator, then active border rows), size + active of them: [on right | on left | on
     /// active].
     [[nodiscard]] const double* outer_rows() const noexcept { return outer_sum_.data(); }
 
     /// Forward substitution of f [count × size].
     void forward(const double* f) noexcept;
-    /// Its contribution to the right-hand side of the right separator [size], and of the outer rows [size + active].
+    /// Contribution of f to the right-hand side of the right separator [size], and of the outer rows [size + active].
     [[nodiscard]] const double* right_part() const noexcept { return right_part_.data(); }
     [[nodiscard]] const double* outer_part() const noexcept { return outer_part_.data(); }
     /// Interior unknowns [count × size] from those around. @param y active border unknowns [active]
@@ -140,7 +140,7 @@ public:
     /// Separators and border, after all chunks. @return false if a pivot vanished
     [[nodiscard]] bool join() noexcept;
 
-    /// Solves with what eliminate() and join() left; right-hand side and solution have unknowns() numbers and may be the same array. f
+    /// Solves with the results of eliminate() and join(); right-hand side and solution have unknowns() numbers and may be the same array. f
     /// [rows of the matrix]
     void forward(int chunk, const double* f) noexcept;
     void join_solution(const double* f) noexcept;  ///< f [rows of the matrix]

@@ -79,7 +79,7 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// An orthonormal basis of the Krylov space and what the matrix does in it: M V = V H + β v e_mᵀ.
+/// An orthonormal basis of the Krylov space and the matrix in this basis: M V = V H + β v e_mᵀ.
 class KrylovBasis {
 public:
     KrylovBasis(const std::vector<double>& matrix, int size) : matrix_(Eigen::Map<const Matrix>(matrix.data(), size, size).sparseView()) {

@@ -9,14 +9,14 @@
 
 namespace cvtflow::bench {
 
-using Eigenvalues = std::vector<std::complex<double>>;  ///< [1/s] where the matrix is a Jacobian
+using Eigenvalues = std::vector<std::complex<double>>;  ///< eigenvalues [1/s] if the matrix is a Jacobian
 
 /// Scales rows and columns by powers of 2 (exactly) until they are about equally long: coordinates in metres and speeds in metres per
 /// second differ by the frequencies of the variator, and rounding is relative to the largest entry. Eigenvalues stay the same.
 /// Source: Parlett, Reinsch, Numer. Math. 13 (1969) 293-304.
 void balance(std::vector<double>& matrix, int size);
 
-/// Eigenvalues as the dense QR iteration leaves them, neither balanced before nor sorted after; none if it does not converge. This is the
+/// Eigenvalues in the order of the dense QR iteration, neither balanced before nor sorted after; none if it does not converge. This is the
 /// only place where the iteration is compiled. @param matrix [size * size]
 [[nodiscard]] Eigenvalues dense_eigenvalues(const double* matrix, int size);
 
@@ -31,16 +31,16 @@ void sort_by_decay(Eigenvalues& values);
 
 /// Settings of extremal_eigenvalues().
 struct ExtremalOptions {
-    double left_of = -1e6;      ///< all eigenvalues whose real part is less [1/s]; besides the pair that oscillates fastest
+    double left_of = -1e6;      ///< upper bound of the real parts; the pair that oscillates fastest is included besides [1/s]
     double tolerance = 1e-6;    ///< ‖M x - λ x‖ / (|λ| ‖x‖) of all of them in the balanced matrix [1]
-    int first_dimension = 120;  ///< of the Krylov space, before it grows
-    std::function<void(int dimension, int settled, int requested)> progress;  ///< after each check; may be empty
+    int first_dimension = 120;  ///< dimension of the Krylov space before it grows
+    std::function<void(int dimension, int settled, int requested)> progress;  ///< called after each check; may be empty
 };
 
 struct ExtremalEigenvalues {
     Eigenvalues values;     ///< the requested ones, sorted as by eigenvalues()
     double residual = 0.0;  ///< largest relative residual among them
-    int dimension = 0;      ///< of the Krylov space in the end; as large as the matrix: nothing was saved
+    int dimension = 0;      ///< final dimension of the Krylov space; as large as the matrix: nothing was saved
 };
 
 /// Eigenvalues at the edge of the spectrum, by Arnoldi's method with twofold orthogonalisation: the space grows until all requested ones

@@ -20,7 +20,7 @@ namespace {
     return start.normalized();
 }
 
-constexpr double nothing_lost = 0.7;  ///< of a direction's length in what is orthogonal to the others: rounding has not grown
+constexpr double nothing_lost = 0.7;  ///< share of a direction's length left by orthogonalisation, above which rounding has not grown
 
 /// Eigenvalues of a Hessenberg matrix; empty: the iteration does not converge.
 [[nodiscard]] std::vector<std::complex<double>> eigenvalues_of(const Eigen::MatrixXd& hessenberg) {
@@ -41,7 +41,7 @@ constexpr double nothing_lost = 0.7;  ///< of a direction's length in what is or
     return values;
 }
 
-constexpr double nothing_new = 1e-14;  ///< of a new direction, as a share of the matrix: rounding
+constexpr double nothing_new = 1e-14;  ///< share of the matrix below which a new direction is rounding
 
 }  // namespace
 

@@ -24,8 +24,8 @@ struct RitzVector {
 /// A Krylov space with its Hessenberg matrix. Grows by one dimension at a time, orthogonalised twice; the same bits every time.
 class KrylovSpace {
 public:
-    /// @param most dimensions that it may have; no more than `size`   @param start first direction [size]; of another length, or zero: one
-    /// that has a share of every eigenvector
+    /// @param most largest number of dimensions; at most `size`   @param start first direction [size]; of another length, or zero: one that
+    /// has a share of every eigenvector
     KrylovSpace(int size, int most, const std::vector<double>& start = {});
 
     /// One more dimension; false: the map could not be applied, or its result is not finite.
@@ -49,9 +49,9 @@ private:
 
 struct Growth {
     double factor = 0.0;                  ///< spectral radius; infinite where the map cannot be applied or is not finite [1]
-    std::complex<double> multiplier;      ///< the eigenvalue that has it, of positive imaginary part or real
-    std::vector<double> real, imaginary;  ///< its eigenvector [size]
-    double uncertainty = 0.0;             ///< residual of the eigenvalue: the map differs by so much from one that has it exactly [1]
+    std::complex<double> multiplier;      ///< eigenvalue of this modulus, of positive imaginary part or real
+    std::vector<double> real, imaginary;  ///< eigenvector of the multiplier [size]
+    double uncertainty = 0.0;             ///< residual of the eigenvalue: distance of the map from one that has it exactly [1]
     int applications = 0;
 
     /// Many slow motions have multipliers near 1, and an estimate there may lie outside all of them, since the map is not normal [1]
@@ -64,11 +64,11 @@ struct Growth {
 };
 
 struct GrowthSettings {
-    /// Multipliers nearer to 1 do not count: what a step resolves so well grows by itself if it grows, whatever the method.
+    /// Multipliers nearer to 1 do not count: motions that a step resolves so well grow by themselves or not at all, whatever the method.
     double from_one = 0.1;  ///< [1]
     int most = 160;         ///< dimension of the Krylov space
     double settled = 1e-4;  ///< change of the factor since there were half as many directions
-    int restarts = 3;       ///< with the eigenvector found so far, while growth is found but uncertain
+    int restarts = 3;       ///< restarts with the eigenvector found so far, while growth is found but uncertain
 };
 
 /// Deterministic. @param start first direction; of another length: one that has a share of everything

@@ -130,10 +130,10 @@ private:
 
 }  // namespace
 
-/// Those by position have a column for each coordinate.
+/// Matrices by position have a column for each coordinate.
 struct LinearChain::Parts {
     Sparse elastic, frictionless, sliding, damping, friction;
-    Sparse link_friction, surface_friction, reaction;  ///< of friction: links by links, all by others, others by links
+    Sparse link_friction, surface_friction, reaction;  ///< parts of friction: links by links, all by others, others by links
     std::optional<double> stiffest;
 };
 

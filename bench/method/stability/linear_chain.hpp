@@ -1,10 +1,10 @@
 #pragma once
-/// The equations of motion, linearised at a state with its phases held, in the parts that methods treat each in its own way:
+/// The equations of motion, linearised at a state with its phases held, in the parts that methods treat differently:
 ///
 ///     a = K q + C v + F v        K: forces by coordinates;  C: damping by velocities;  F: friction by velocities
 ///
-/// Unknowns here: q of all links, one after the other, and of the pulleys; v likewise, and behind them the control integral where there is
-/// one (its "acceleration" is its rate). Exact derivatives, in sparse matrices.
+/// Unknowns: q of all links, one after the other, and of the pulleys; v in the same order, then the control integral, if any (its
+/// "acceleration" is its rate). Exact derivatives, in sparse matrices.
 
 #include <memory>
 #include <vector>
@@ -44,21 +44,21 @@ public:
     void add_friction(double factor, const double* v, double* out) const;  ///< factor [1], v [velocities], out [accelerations]
     /// Friction of the links by links' velocities alone: [link_velocities()].
     void add_link_friction(double factor, const double* v, double* out) const;
-    /// The part of K that friction has, because its normal forces change. factor [1], q [coordinates], out [accelerations]
+    /// Part of K by friction, whose normal forces change. factor [1], q [coordinates], out [accelerations]
     void add_sliding(double factor, const double* q, double* out) const;
     /// The rest of K. factor [1], q [coordinates], out [accelerations]
     void add_frictionless(double factor, const double* q, double* out) const;
-    /// Friction by the velocities of what is no link, given as those of all. factor [1], v [velocities], out [accelerations]
+    /// Friction by the velocities of pulleys, given as those of all. factor [1], v [velocities], out [accelerations]
     void add_surface_friction(double factor, const double* v, double* out) const;
-    /// Friction by links' velocities on what is no link. factor [1], v [velocities], out [accelerations]
+    /// Friction by links' velocities on pulleys. factor [1], v [velocities], out [accelerations]
     void add_reaction(double factor, const double* v, double* out) const;
 
-    /// For the whole: (1 - shift (C + F) - shift² K). shift [s]
+    /// Solver of the whole: (1 - shift (C + F) - shift² K). shift [s]
     [[nodiscard]] std::unique_ptr<LinearSolver> whole_solver(double shift) const;
-    /// For friction of the links: (1 - shift F). shift [s]
+    /// Solver of the links' friction: (1 - shift F). shift [s]
     [[nodiscard]] std::unique_ptr<LinearSolver> friction_solver(double shift) const;
 
-    /// Largest eigenvalue of links' friction if all contacts stuck; found when first asked for [1/s].
+    /// Largest eigenvalue of links' friction if all contacts stuck; found at the first request [1/s].
     [[nodiscard]] double stiffest_friction() const;
     [[nodiscard]] const model::Variator& variator() const noexcept { return variator_; }
     [[nodiscard]] const FrozenStart& start() const noexcept { return start_; }

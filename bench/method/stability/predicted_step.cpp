@@ -16,9 +16,9 @@ namespace cvtflow::bench {
 
 namespace {
 
-constexpr double longer = 1.12, precision = 1.003;  ///< of steps tried next; between the longest stable one and the shortest that is not
-constexpr double first_try = 0.85;                  ///< of what is expected
-constexpr double shortest_tried = 1e-9, longest_of_all = 1e-2;  ///< of methods with a limit [s]
+constexpr double longer = 1.12, precision = 1.003;              ///< factor between trial steps; final ratio of unstable to stable step
+constexpr double first_try = 0.85;                              ///< first trial step over the expected limit
+constexpr double shortest_tried = 1e-9, longest_of_all = 1e-2;  ///< range of trial steps for methods with a limit [s]
 
 }  // namespace
 

@@ -96,7 +96,7 @@ double explicit_kick(const KickTable& table, Kicked& kicked) {
     return combined(table.plan.result());
 }
 
-/// Backward Euler, one stage. The error is one of what is solved for: friction acts on it.
+/// Backward Euler, one stage. The error is in the equation to solve: friction acts on it.
 double backward_euler_kick(Kicked& kicked) {
     kicked.stages = 1;
     const double v = (kicked.velocity + kicked.frictionless + (kicked.disturbed == 0 ? 1.0 : 0.0)) / (1.0 + kicked.friction);
@@ -128,8 +128,8 @@ double backward_euler_kick(Kicked& kicked) {
     return figures;
 }
 
-/// Largest h ω with that friction, 0 < h c: where the step has the eigenvalue -1, h²ω² = 2 (1 + R)/(B + 2 C), with R, B, C what a kick
-/// makes of the velocity, of the frictionless and of its change.
+/// Largest h ω with that friction, 0 < h c: where the step has the eigenvalue -1, h²ω² = 2 (1 + R)/(B + 2 C), with R, B, C the results of a
+/// kick from the velocity, the frictionless part and its change.
 [[nodiscard]] double oscillation_limit(const KickFunction& kick, double friction) {
     Kicked velocity{1.0, 0.0, 0.0, friction}, frictionless{0.0, 1.0, 0.0, friction}, change{0.0, 0.0, 1.0, friction};
     return std::sqrt(2.0 * (1.0 + kick(velocity)) / (kick(frictionless) + 2.0 * kick(change)));

@@ -1,5 +1,5 @@
 #pragma once
-/// Linear stability of methods that are programs and not tables of stages: what one step makes of the test equation that they are made for.
+/// Linear stability of methods that are programs and not tables of stages: effect of one step on their test equation.
 
 #include <functional>
 #include <limits>
@@ -17,7 +17,7 @@ enum class TestEquation {
 /// Effect of a step on a quantity that decays with h c or -h λ.
 struct StageFigures {
     double growth = 0.0;  ///< largest value in a stage, for 1 at the start [1]
-    double gain = 0.0;    ///< largest value at the end, for an error of 1 in one stage: what a kink of the law leaves [1]
+    double gain = 0.0;    ///< largest value at the end, for an error of 1 in one stage (a kink of the law) [1]
     double left = 0.0;    ///< value at the end, for 1 at the start [1]
 };
 
@@ -32,14 +32,14 @@ struct ProgramStability {
     std::function<double(double x, double y)> radius;
     /// @param decay h c or -h λ, > 0, where the method steps
     std::function<StageFigures(double decay)> stages;
-    double longest_decay;  ///< up to which the method steps; infinite if it always does [1]
-    /// For methods for the oscillator: largest h δ of an explicit damping δ that is no friction, where nothing oscillates [1].
+    double longest_decay;  ///< largest decay with which the method steps; infinite: any [1]
+    /// Largest h δ of an explicit damping δ that is no friction, without oscillation, of methods for the oscillator [1].
     double longest_damping = std::numeric_limits<double>::infinity();
-    /// Limit of an oscillator with any friction up to `stiffest` beside another with just that much, which decides how many stages a step
-    /// takes. Empty where the friction of others makes no difference. stiffest [1]
+    /// Limit of an oscillator with any friction up to `stiffest` beside another with exactly that friction, which decides how many stages a
+    /// step takes. Empty if the friction of others has no effect. stiffest [1]
     std::function<FrictionLimit(double stiffest)> beside = {};
 
-    /// Up to rounding: growth by less than 1e-6 a step. x [1], y [1]
+    /// Whether growth is below 1e-6 a step. x [1], y [1]
     [[nodiscard]] bool stable(double x, double y) const { return radius(x, y) <= 1.0 + 1e-6; }
 };
 
@@ -54,7 +54,7 @@ inline constexpr double far_away = 1e6;
 /// Limit of a method for the oscillator.
 [[nodiscard]] FrictionLimit limit_with_any_friction(const ProgramStability& method);
 
-/// The largest of each over decays up to the method's longest or far_away, on a logarithmic grid; `left` at its end.
+/// Largest figure of each kind over decays up to the method's longest or far_away, on a logarithmic grid; `left` at its end.
 [[nodiscard]] StageFigures worst_stages(const ProgramStability& method);
 
 // The test equation of methods that take friction apart: an oscillator whose friction acts inside the step.

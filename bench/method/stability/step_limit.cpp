@@ -13,7 +13,7 @@ namespace cvtflow::bench {
 
 namespace {
 
-constexpr double stable_growth = 1e-6;  ///< of a step, as ProgramStability counts it
+constexpr double stable_growth = 1e-6;  ///< growth per step that still counts as stable, as in ProgramStability
 constexpr double ray_damping = 0.01;
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-/// The longest step with which a method is stable at a state, and what sets it.
+/// The longest step with which a method is stable at a state, and the reason for it.
 
 #include <limits>
 #include <span>
@@ -26,8 +26,8 @@ enum class StepLimiter {
 struct StepLimit {
     double step = std::numeric_limits<double>::infinity();  ///< longest stable one [s]
     StepLimiter by = StepLimiter::nothing;
-    double oscillation = 0.0;  ///< frequency of the disturbance that grows first beyond it [rad/s]
-    double friction = 0.0;     ///< its damping by friction [1/s]
+    double oscillation = 0.0;  ///< frequency of the disturbance that grows first beyond the limit [rad/s]
+    double friction = 0.0;     ///< damping of this disturbance by friction [1/s]
     double in_pulleys = 0.0;   ///< share of its kinetic energy in shafts and sheaves; not set by StepLimitBound
 };
 
@@ -51,7 +51,7 @@ public:
     /// ratio to the estimate. [s]
     void calibrate(double known) noexcept;
 
-    /// Directions and limit, for checkpoints. load() returns what follows in memory.
+    /// Directions and limit, for checkpoints. load() returns the rest of the memory.
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 
@@ -60,7 +60,7 @@ private:
     [[nodiscard]] StepLimit of_oscillator() const;
 
     SpectralBound bound_;
-    ProgramStability program_;  ///< of a method that takes friction apart
+    ProgramStability program_;  ///< stability of a method that takes friction apart
     bool takes_friction_apart_ = false;
     double real_reach_ = 0.0;       ///< |h λ| of a decay; 0: no limit [1]
     double imaginary_reach_ = 0.0;  ///< |h λ| of an oscillation damped by 1 %; 0: no limit [1]

@@ -138,16 +138,16 @@ void add(double factor, const double* from, int count, double* to) {
     for (int k = 0; k < count; ++k) to[k] += factor * from[k];
 }
 
-/// One step of friction on the links' velocities: what is given, and what comes out.
+/// Input and result of one step of friction on the links' velocities.
 struct LinkKick {
     const double* velocity;      ///< h v at the start
     const double* frictionless;  ///< h² a by everything but friction
-    const double* change;        ///< of it since the step before
-    const double* grip;          ///< h² a by friction, of what does not change within the step
-    const double* drift;         ///< what is added to it over the step by the sheaves' motion
+    const double* change;        ///< change of frictionless since the step before
+    const double* grip;          ///< h² a by friction, the part that is constant within the step
+    const double* drift;         ///< change of h² a by friction over the step, by the sheaves' motion
     double* result;              ///< h v at the end
     double* mean;                ///< mean velocity in the sense of friction's impulse
-    double mean_time = 0.0;      ///< mean time of it, from the middle
+    double mean_time = 0.0;      ///< mean time of friction's impulse, from the middle of the step
 };
 
 /// Friction of the present step.
@@ -308,7 +308,7 @@ std::unique_ptr<StepMap> backward_euler_leapfrog_step(const LinearChain& chain) 
 
 namespace {
 
-/// The extents that such a method sees when it begins.
+/// Extents of the spectrum for such a method at its start.
 class Extents {
 public:
     explicit Extents(const LinearChain& chain) : bound_(chain.variator()) {

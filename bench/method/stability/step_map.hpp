@@ -11,15 +11,15 @@
 
 namespace cvtflow::bench {
 
-/// The step as a linear map of (q, h v, what the method remembers), all in metres or radians.
+/// The step as a linear map of (q, h v, the method's memory), all in metres or radians.
 class StepMap {
 public:
     virtual ~StepMap() = default;
-    /// The next steps have this length. false: the method refuses it. h [s]
+    /// Sets the length of the next steps. false: the method refuses it. h [s]
     [[nodiscard]] virtual bool prepare(double h) = 0;
     /// Numbers of a disturbance; the first ones are q, then h v.
     [[nodiscard]] virtual int size() const noexcept = 0;
-    virtual void step(const double* from, double* to) = 0;  ///< from [unknowns], to [unknowns]
+    virtual void step(const double* from, double* to) = 0;  ///< maps a disturbance over one step. from, to [size()]
 
 protected:
     StepMap() = default;
@@ -33,7 +33,7 @@ protected:
 [[nodiscard]] std::unique_ptr<StepMap> backward_euler_leapfrog_step(const LinearChain& chain);
 [[nodiscard]] std::unique_ptr<StepMap> implicit_step(const LinearChain& chain, const LinearPlan& plan);
 [[nodiscard]] std::unique_ptr<StepMap> trapezoidal_step(const LinearChain& chain);
-/// Methods that choose among tables by the spectrum: as they would at their first step.
+/// Steps of methods that choose among tables by the spectrum, with the choice of their first step.
 [[nodiscard]] std::unique_ptr<StepMap> dumka3_step(const LinearChain& chain);
 [[nodiscard]] std::unique_ptr<StepMap> rkc_step(const LinearChain& chain);
 [[nodiscard]] std::unique_ptr<StepMap> rock2_step(const LinearChain& chain);

@@ -169,7 +169,7 @@ BeltArcSolver::Unknowns BeltArcSolver::guess(const Ends& ends) const {
     return {(clamping * per_force + weight_) / kilo, inset / pulley_.radius / milli, middle / kilo, 0.0};
 }
 
-/// In steps of the difference, each from the one before: near the limit the creep is far from that of small differences.
+/// Solves in steps of the difference, each from the one before: near the limit the creep is far from that of small differences.
 BeltArc BeltArcSolver::arc(const Ends& ends) const {
     Unknowns u = guess(ends);
     constexpr int parts = 3;

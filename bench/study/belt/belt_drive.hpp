@@ -32,10 +32,10 @@ struct BeltPulley {
     double growth = 0.0;  ///< dR/dt [m/s]
 };
 
-/// At an angle after the entry.
+/// Values at an angle after the entry.
 struct BeltNode {
     double angle;          ///< θ [rad]
-    double tension;        ///< of the belt, centrifugal part included [N]
+    double tension;        ///< tension of the belt, centrifugal part included [N]
     double axial;          ///< s: axial force on one sheave per angle [N/rad]
     double inset;          ///< radius minus R [m]
     double along, across;  ///< sliding speed of the belt against the sheaves along the circumference, and outwards along the flank [m/s]
@@ -46,9 +46,9 @@ struct BeltNode {
 struct BeltArc {
     std::vector<BeltNode> nodes;
     double clamping;             ///< S [N]
-    double torque;               ///< of the belt on the pulley [N·m]
+    double torque;               ///< torque of the belt on the pulley [N·m]
     double friction_speed;       ///< Ω°: speed of the pulley at which the same pins put no torque on it [rad/s]
-    double sliding_power = 0.0;  ///< lost by friction [W]
+    double sliding_power = 0.0;  ///< power lost by friction [W]
 };
 
 /// One pulley's equations.
@@ -58,7 +58,7 @@ public:
 
     /// Arc whose tension changes from `entry` to `exit` [N]. Throws std::domain_error where friction cannot carry that difference.
     [[nodiscard]] BeltArc between(double entry, double exit) const;
-    /// Arc with that clamping force [N] whose tension grows by `difference` [N] (falls, if negative). Throws std::domain_error likewise.
+    /// Arc with this clamping force [N] whose tension grows by `difference` [N] (falls, if negative). Throws std::domain_error likewise.
     [[nodiscard]] BeltArc clamped(double clamping, double difference) const;
 
 private:
@@ -89,12 +89,12 @@ private:
 
     BeltPulley pulley_;
     double friction_, saturation_, sin_, cos_;
-    std::shared_ptr<const model::TipLaw> law_;  ///< of friction over the sliding speed; null: constant
+    std::shared_ptr<const model::TipLaw> law_;  ///< law of friction over the sliding speed; null: constant
 
     double weight_;   ///< mass per length times the square of the speed: centrifugal tension [N]
     double stretch_;  ///< strain per tension [1/N]
     double tilt_;     ///< inset per tilting moment over R [m/N]
-    double hertz_;    ///< of a tip [N/m^1.5]
+    double hertz_;    ///< Hertz stiffness of a tip [N/m^1.5]
     double bar_;      ///< compliance of a half along its axis [m/N]
     double share_;    ///< angle of half a pin [rad]
     double vibration_;
@@ -106,9 +106,9 @@ private:
 struct BeltPoint {
     double ratio;         ///< driven over driving radius
     double clamping;      ///< S_2 [N]
-    double torque;        ///< of the load on the driven shaft [N·m]
-    double speed;         ///< of the driving shaft [rad/s]
-    double growth = 0.0;  ///< of the driving radius, dR_1/dt [m/s]
+    double torque;        ///< torque of the load on the driven shaft [N·m]
+    double speed;         ///< speed of the driving shaft [rad/s]
+    double growth = 0.0;  ///< growth of the driving radius, dR_1/dt [m/s]
 };
 
 /// Result of the theory.
@@ -117,7 +117,7 @@ struct BeltDrive {
     std::array<BeltArc, 2> arc;
     double tight, slack;  ///< tensions [N]
     double thrust_ratio;  ///< S_1/S_2
-    double slip;          ///< by friction, as the channel friction_slip (model/EQUATIONS.md, section 9)
+    double slip;          ///< slip by friction, as the channel friction_slip (model/EQUATIONS.md, section 9)
     double shift;         ///< d ln(ratio)/dt [1/s]
 };
 

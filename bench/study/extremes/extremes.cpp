@@ -52,7 +52,7 @@ std::vector<std::pair<std::string, Scene>> details(const Scene& scene) {
 constexpr double usual_step = 5e-8;
 constexpr double wall_limit = 120.0;
 
-/// Energies, what passed through the ledger, and the unknowns.
+/// Energies, their flow through the ledger, and the unknowns.
 struct Account {
     double energy = 0.0, lost = 0.0, put_in = 0.0, passed = 0.0;
     std::vector<double> unknowns;

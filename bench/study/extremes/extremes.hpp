@@ -27,21 +27,21 @@ enum class Ending {
 struct Extreme {
     std::string group;
     std::string name;
-    std::vector<std::string> settings;  ///< on top of the scene `tiny`
+    std::vector<std::string> settings;  ///< settings added to the scene `tiny`
     std::vector<Ending> allowed{Ending::right};
-    std::vector<tasks::FaultKind> faults{};  ///< that may be among `allowed`; empty: any
+    std::vector<tasks::FaultKind> faults{};  ///< allowed faults; empty: any
     /// Largest relative error of the energy balance, and ten times less strict of the state against half the step.
     double bound = 1e-3;
     /// Additional error of the energy balance that leapfrogs are allowed, and ten times that against half the step. Their energy is that of
     /// a neighbouring system and swings about ours by (h omega)^2 / 4, and they lag by (h omega)^2 / 24 of the angle, 0.1 rad after 100
     /// steps of h omega = 0.28.
     double swing = 0.0;
-    double step = 0.0;  ///< [s]; 0: 50 ns, or a tenth of what is stable if that is less: the stiffest mode may hold all the energy
+    double step = 0.0;  ///< step [s]; 0: 50 ns, or a tenth of the stable step if that is less: the stiffest mode may hold all the energy
     long steps = 200;
     bool geometric = false;  ///< begins with the geometric start even where the settled state of `tiny` would fit
-    /// Changes the start. Called with a simulation that stands at it. step [s]
+    /// Changes the start. The simulation is at the start. step [s]
     void (*prepare)(const tasks::Simulation& simulation, double step, tasks::IntegrationState& start) = nullptr;
-    long min_transitions = 0;  ///< without which the row proves nothing
+    long min_transitions = 0;  ///< transitions below which the row proves nothing
     bool nightly = false;
 };
 
@@ -64,12 +64,12 @@ struct ExtremeCase {
     std::string detail;
     Ending ending = Ending::wrong;
     tasks::Fault fault;
-    std::string message;       ///< of the refusal or fault, or what is wrong
+    std::string message;       ///< message of the refusal or fault, or reason for `wrong`
     double balance = 0.0;      ///< energy in less energy out less change, over the energy that passed [1]
     double refinement = 0.0;   ///< change of the state against half the step, over the change of the state [1]
     double step = 0.0;         ///< [s]
     double stable_step = 0.0;  ///< [s]
-    long steps = 0;            ///< taken
+    long steps = 0;            ///< steps taken
     double wall = 0.0;         ///< [s]
 };
 

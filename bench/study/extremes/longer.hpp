@@ -12,11 +12,11 @@ namespace cvtflow::bench {
 /// Means of a machine over a short time, compared with those over the last half of a longer one.
 struct LongerTicket {
     long number = 0;
-    std::string status;         ///< of the short run: finished, a fault's name, or refused
+    std::string status;         ///< status of the short run: finished, a fault's name, or refused
     std::string later;          ///< fault of the longer run
-    std::string notes;          ///< names of what is odd about the short run
-    std::string_view quantity;  ///< whose mean differs most from that of the longer run
-    double off = 0.0;           ///< its difference over its mean; below 0.3 % of slip and a tenth of the tight strand, over these [1]
+    std::string notes;          ///< names of the short run's notes
+    std::string_view quantity;  ///< quantity whose mean differs most from that of the longer run
+    double off = 0.0;           ///< difference over the longer run's mean, at least 0.3 % for slip, a tenth of tight for slack
     double wall = 0.0;          ///< [s]
 
     [[nodiscard]] bool compared() const noexcept { return status == "finished" && later.empty(); }

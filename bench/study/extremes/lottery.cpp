@@ -58,7 +58,7 @@ constexpr OperatingPoint points[] = {{2.4, 1.18}, {1.0, 1.355}, {0.417, 1.55}};
     return radii ? 2.0 * p.tip.friction.coefficient * clamping * radii->driven / std::cos(p.tip.angle) : 0.0;
 }
 
-/// Draws a physical parameter within a factor of 2 of what it is.
+/// Draws a physical parameter within a factor of 2 of its value.
 void draw_parameter(const Parameter& parameter, Urn& urn, Scene& scene, std::vector<std::string>& settings) {
     const Slot slot = parameter.member(scene);
     double& value = **std::get_if<double*>(&slot);
@@ -148,7 +148,7 @@ void draw_hydraulics(Urn& urn, std::vector<std::string>& settings) {
     settings.push_back(fmt::format("hydraulics.driven_spring={:.6g}", urn.draw(0.0, 2e3)));
 }
 
-/// Laws of tips, temperatures and imperfections, from an urn of their own: other machines stay what they are.
+/// Laws of tips, temperatures and imperfections, from a separate urn, so that other machines do not change.
 void draw_extras(Urn urn, const Scene& scene, LotteryMachine& machine) {
     std::vector<std::string>& settings = machine.settings;
     const double law = urn.draw(), coefficient = scene.parameters.tip.friction.coefficient, fall = urn.draw(0.5, 1.0);
@@ -170,7 +170,7 @@ void draw_extras(Urn urn, const Scene& scene, LotteryMachine& machine) {
     settings.push_back(fmt::format("imperfection.runout={:.6g} um", runout));
 }
 
-/// Ratio control and strand guides, from an urn of their own. A machine without control drifts for seconds.
+/// Ratio control and strand guides, from a separate urn. A machine without control drifts for seconds.
 std::vector<std::string> drawn_holders(Urn urn, const Scene& scene) {
     std::vector<std::string> settings;
     const double held = urn.draw(), guided = urn.draw(), stiffness = urn.draw(5.0, 6.3), clearance = urn.draw(0.05, 0.5);

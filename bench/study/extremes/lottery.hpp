@@ -11,13 +11,13 @@ namespace cvtflow::bench {
 
 /// How a machine of the lottery is run.
 struct LotteryRules {
-    std::string detail;            ///< level of all machines; empty: as drawn
+    std::string detail;            ///< level of detail of all machines; empty: as drawn
     double settling_time = 20e-3;  ///< [s]
     double duration = 20e-3;       ///< [s]
     double refinement = 4.0;       ///< factor by which steps of the comparison are shorter [1]
-    double tolerance = 0.01;       ///< of slip and losses [1]
+    double tolerance = 0.01;       ///< tolerance of slip and losses
     double longer = 0.0;           ///< 0, or the means of `duration` are compared with those of a run longer by this factor [1]
-    double min_slip = 5e-4;  ///< slip below this is compared with this: 1 % of it are 5e-6, less than speeds of shafts are measured to [1]
+    double min_slip = 5e-4;  ///< lower bound of the slip that differences are divided by: 1 % of it is below the accuracy of shaft speeds
 };
 
 struct LotteryMachine {
@@ -39,22 +39,22 @@ struct LotteryTicket {
     bool ready = false;                           ///< began with a ready state that fits
     double step = 0.0;                            ///< last one in use [s]
     std::string status;                           ///< finished, unreliable, a fault's name, or refused
-    std::string notes;                            ///< names of what is odd
+    std::string notes;                            ///< names of notes on the run
     double slip = 0.0, exact_slip = 0.0;          ///< mean over the run; with shorter steps from the same settled start [1]
     double loss = 0.0, exact_loss = 0.0;          ///< dissipated [J]
-    double residual = 0.0, exact_residual = 0.0;  ///< of the energy balance over the losses [1]
+    double residual = 0.0, exact_residual = 0.0;  ///< residual of the energy balance over the losses
     double balance_error_ratio = 0.0;             ///< EnergyLedger::balance_error_ratio [1]
-    double wall = 0.0;                            ///< without the comparison [s]
-    std::string message;                          ///< of a fault or refusal
+    double wall = 0.0;                            ///< wall time without the comparison [s]
+    std::string message;                          ///< message of a fault or refusal
 
     /// Relative differences.
     [[nodiscard]] double slip_error(const LotteryRules& rules) const noexcept;
     [[nodiscard]] double loss_error() const noexcept;
     /// Whether losses agree with the comparison, and slip, unless a note states that no torque is transferred.
     [[nodiscard]] bool right(const LotteryRules& rules) const noexcept;
-    /// Whether it kept the promise: right, or not called finished.
+    /// Whether the result is right, or not reported as finished.
     [[nodiscard]] bool honest(const LotteryRules& rules) const noexcept { return status != "finished" || right(rules); }
-    /// Right, and called unreliable.
+    /// Whether the result is right, but reported as unreliable.
     [[nodiscard]] bool false_alarm(const LotteryRules& rules) const noexcept { return status == "unreliable" && right(rules); }
 };
 

@@ -103,7 +103,7 @@ std::vector<double> drifted(const Simulation& simulation, std::vector<double> st
     return state;
 }
 
-/// Both wedges opened until the deepest tip of all, so much later, has a depth of zero, as far as doubles can say.
+/// Opens both wedges until the deepest tip of all, after the time `later`, has a depth of zero to the accuracy of doubles.
 void open_to_zero(const Simulation& simulation, IntegrationState& start, double later) {
     const std::vector<double> closed = start.state;
     double low = -1e-4, high = 1e-3;  // wider, and links of the strands would meet the sheaves of the other shaft

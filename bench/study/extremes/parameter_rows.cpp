@@ -1,5 +1,5 @@
-/// Rows on friction, damping, stiffness, masses, and on the number and length of parts; on step lengths, on numbers near the ends of what
-/// doubles hold, and on both limits of every parameter.
+/// Rows on friction, damping, stiffness, masses, and on the number and length of parts; on step lengths, on numbers near the ends of the
+/// range of doubles, and on both limits of every parameter.
 
 #include <fmt/format.h>
 
@@ -178,7 +178,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Ends of a run whose step is far too long. Leapfrogs say before they begin if friction is too stiff for the step.
+/// Ends of a run whose step is far too long. Leapfrogs report before they begin if friction is too stiff for the step.
 const std::vector<FaultKind> diverged{FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up,
                                       FaultKind::too_stiff};
 /// Ends of a run from such a state.

@@ -37,8 +37,8 @@ void grind(void* context, int item) noexcept {
     own.value = x;
 }
 
-/// Time of an iteration on a processor of our own: the least of many tries [s]. Called as executors call it: a compiler that sees that the
-/// result is unused omits the work.
+/// Time of an iteration on an idle processor: the least of many tries [s]. Called like by executors: a compiler that finds the result
+/// unused omits the work.
 double iteration_time() {
     const engine::TaskGraph graph = stencil_graph(1, 1);
     Grain probe{1.0, 20000};
@@ -80,7 +80,7 @@ struct Setting {
     std::shared_ptr<engine::TaskGraph> graph;
     std::vector<Grain> grains;
     long cycles;
-    std::vector<double> bare;  ///< of a cycle, per round [s]
+    std::vector<double> bare;  ///< time of a cycle of the bare loop, per round [s]
 };
 
 struct Contender {

@@ -20,12 +20,12 @@ namespace cvtflow::bench {
 
 struct GranularityOptions {
     std::vector<std::string> executors{};            ///< none: all
-    int threads = 0;                                 ///< of the parallel ones; 0: as many as are usable
-    std::vector<int> tasks{1, 2, 4, 8, 16, 32, 64};  ///< of a level
-    std::vector<double> lengths{0.1e-6, 0.2e-6, 0.5e-6, 1e-6, 2e-6, 5e-6, 10e-6, 20e-6, 50e-6, 100e-6};  ///< of a task, ascending [s]
-    int levels = 8;                                                                                      ///< of a cycle
-    double work = 4e-3;      ///< of a measurement, all tasks together [s]
-    double timeout = 20e-3;  ///< a measurement ends after that long even if work is left [s]
+    int threads = 0;                                 ///< threads of the parallel executors; 0: all usable ones
+    std::vector<int> tasks{1, 2, 4, 8, 16, 32, 64};  ///< tasks per level
+    std::vector<double> lengths{0.1e-6, 0.2e-6, 0.5e-6, 1e-6, 2e-6, 5e-6, 10e-6, 20e-6, 50e-6, 100e-6};  ///< ascending task lengths [s]
+    int levels = 8;                                                                                      ///< levels per cycle
+    double work = 4e-3;      ///< work per measurement, all tasks together [s]
+    double timeout = 20e-3;  ///< time after which a measurement ends even if work is left [s]
     int rounds = 5;
     engine::Wait wait = engine::Wait::balanced;
     bool pin = false;
@@ -43,8 +43,8 @@ struct GranularityPoint {
 };
 
 struct Granularity {
-    std::vector<GranularityPoint> points;  ///< by number of tasks, length, executor
-    double calibrated = 0.0;               ///< least that calibrations before and after got of the processors requested [1]
+    std::vector<GranularityPoint> points;  ///< points by number of tasks, length, executor
+    double calibrated = 0.0;               ///< smallest share of the requested processors that calibrations before and after got
     int requested = 1;                     ///< threads, or the usable processors if these are fewer
 
     [[nodiscard]] bool crowded() const noexcept;
@@ -68,7 +68,7 @@ struct Granularity {
 [[nodiscard]] double effective_granularity(std::span<const GranularityPoint> curve, double share = 0.5) noexcept;
 
 /// @param progress called with a line before every round; may be empty
-/// @throws SceneError for an executor that is not there; std::invalid_argument for numbers that are not positive
+/// @throws SceneError for an unknown executor; std::invalid_argument for numbers that are not positive
 [[nodiscard]] Granularity measure_granularity(const GranularityOptions& options,
                                               const std::function<void(const std::string&)>& progress = {});
 

@@ -20,12 +20,12 @@ using namespace tasks;
 
 namespace {
 
-constexpr long steps = 256;  // of the recording: some cycles do not run in every step
+constexpr long steps = 256;  // steps of the recording: some cycles do not run in every step
 
 /// Tasks of a step with a number of segments.
 struct CountedStep {
-    std::vector<double> all;       ///< by number of threads - 1: time of all tasks [instructions per step]
-    std::vector<double> parallel;  ///< of parallel ones
+    std::vector<double> all;       ///< work of all tasks, by number of threads - 1 [instructions per step]
+    std::vector<double> parallel;  ///< work of parallel tasks
     std::vector<StageWork> stages;
     double step = 0.0;  ///< [s]
 };

@@ -1,5 +1,5 @@
 #pragma once
-/// Speed-ups from counted instructions: what threads would gain if nothing but the work of tasks took time. Other load has no effect.
+/// Speed-ups from counted instructions: gain by threads if nothing but the work of tasks took time. Other load has no effect.
 
 #include <functional>
 #include <span>
@@ -15,26 +15,26 @@ namespace cvtflow::bench {
 /// left out of the first two speed-ups. The controller, which runs between cycles, is no task.
 struct WorkRow {
     int threads = 1;
-    int segments = 1;           ///< the largest counted number that gives no thread more than one
-    int links = 0;              ///< of the longest of as many equal segments as threads
-    double even = 1.0;          ///< links of the chain over these [1]
+    int segments = 1;           ///< largest counted number that gives no thread more than one segment
+    int links = 0;              ///< links of the longest of as many equal segments as threads
+    double even = 1.0;          ///< links of the chain over links of this segment
     double longest = 0.0;       ///< parallel work of the slowest thread, a segment per thread [instructions per step]
     double fixed = 1.0;         ///< speed-up of the parallel tasks, a segment per thread [1]
-    double claimed = 1.0;       ///< the same, if threads claim tasks of the best number of segments [1]
-    int claimed_segments = 1;   ///< that number
+    double claimed = 1.0;       ///< speed-up if threads claim tasks of the best number of segments
+    int claimed_segments = 1;   ///< this number of segments
     double step_fixed = 1.0;    ///< speed-up of all tasks, a segment per thread [1]
-    double step_claimed = 1.0;  ///< if threads claim tasks [1]
+    double step_claimed = 1.0;  ///< speed-up of all tasks if threads claim them
 };
 
 /// Work of all tasks of a stage, as one segment.
 struct StageWork {
     std::string stage;
-    double instructions = 0.0;  ///< per step
+    double instructions = 0.0;  ///< instructions per step
 };
 
 struct CountedWork {
     std::vector<WorkRow> rows;      ///< one for every number of threads up to one per link
-    std::vector<StageWork> stages;  ///< in the order of the graph
+    std::vector<StageWork> stages;  ///< stages in the order of the graph
     double step = 0.0;              ///< length of the last step [s]
 };
 

@@ -85,7 +85,7 @@ long steps_within(double seconds, double per_step) noexcept { return static_cast
 
 namespace {
 
-/// Arithmetic that depends on itself, so that its time is its length; each task has a line of its own.
+/// Arithmetic that depends on itself, so that its time is its length; each task has a separate cache line.
 struct alignas(128) Work {
     double value = 1.0;
 };
@@ -163,8 +163,8 @@ namespace {
 
 constexpr long first_steps = 4;
 constexpr long more_steps = 36;
-constexpr double cycle_seconds = 0.01;  // of a turn of bare cycles
-constexpr long max_stamps = 500000;     // of a thread: 12 MB
+constexpr double cycle_seconds = 0.01;  // seconds of a turn of bare cycles
+constexpr long max_stamps = 500000;     // stamps per thread: 12 MB
 
 /// Samples of one lane under one load.
 struct Samples {
@@ -212,7 +212,7 @@ double bare_cycle(int threads) {
     return seconds;
 }
 
-/// Synchronisation alone, right before the schedule's own turn.
+/// Synchronisation alone, right before the schedule's turn.
 void cycle_turn(ScheduleTrial& lane) {
     lane.cycles.push_back(cycle_cost(lane.result.schedule, cycle_seconds));
     lane.bare.push_back(bare_cycle(lane.result.schedule.threads));
@@ -341,7 +341,7 @@ void measure_load(std::vector<ScheduleTrial>& lanes, std::vector<CopiesTrial>& c
 
 namespace {
 
-/// Twice what the first steps took, all threads together: one thread may do it all, and transitions and iterations repeat cycles.
+/// Twice the stamps of the first steps, all threads together: one thread may do it all, and transitions and iterations repeat cycles.
 int stamps_of_a_step(const Scene& scene, const Schedule& schedule) {
     SpanRecorder recorder(schedule.threads, 64);  // counts what it does not keep
     Trial probe(scene, schedule, &recorder);

@@ -1,5 +1,5 @@
 #pragma once
-/// Schedules measured alternately in one process: A B C A B C …, so that a noisy minute hits all alike; medians over rounds.
+/// Schedules measured alternately in one process: A B C A B C …, so that disturbances affect all alike; medians over rounds.
 /// A round continues where the last one ended, so a fast schedule gets further in simulated time: some microseconds, over which a step's
 /// cost hardly changes.
 
@@ -25,13 +25,13 @@ struct TrialSample {
     [[nodiscard]] double per_step() const noexcept { return wall / static_cast<double>(steps); }
 };
 
-/// One schedule at work on its own copy of a scene's start.
+/// One schedule, running from a copy of a scene's start.
 class Trial {
 public:
     /// @throws as Simulation
     Trial(const tasks::Scene& scene, const tasks::Schedule& schedule, engine::StampRecorder* recorder = nullptr);
 
-    /// To t = 0, if the scene's start has not settled yet. @throws SimulationError if the simulation ends by itself
+    /// Runs to t = 0 if the scene's start has not settled yet. @throws SimulationError if the simulation ends by itself
     void settle();
 
     /// Takes `steps` further steps, or fewer if they take longer than `timeout` [s], which is checked once per output interval. The search
@@ -51,7 +51,7 @@ private:
 
 /// Cost of an executor's synchronisation, apart from any chain.
 struct CycleCost {
-    double seconds = 0.0;  ///< per cycle, above the task's own time [s]
+    double seconds = 0.0;  ///< time per cycle beyond the task's [s]
     int active = 0;        ///< threads that ran at least a quarter of their share of tasks
 };
 
@@ -75,10 +75,10 @@ struct LoadResult {
     double evaluation = 0.0;    ///< median time per evaluation of the right-hand side, detection and control included [s]
     double cpu_per_wall = 0.0;  ///< processors kept busy by this process, neighbours not counted [1]
     double speed_up = 0.0;      ///< median of serial over median of this, under the same load [1]
-    int rounds = 0;             ///< that count; 0: not measured
-    std::string dropped;        ///< why there are not more, empty: there are all
+    int rounds = 0;             ///< rounds that count; 0: not measured
+    std::string dropped;        ///< reason for missing rounds; empty: none is missing
     double cpu = 0.0;           ///< median processor time of this process per step, neighbours not counted [s]
-    double burnt = 0.0;         ///< of that, what serial does not need under the same load: burnt while waiting, or lost to caches [s]
+    double burnt = 0.0;         ///< part of cpu that serial does not need under the same load: burnt while waiting, or lost to caches [s]
 };
 
 /// Gain over serial's turn of the same round, separately for near and far rounds. Near: a bare barrier of as many threads, unpinned, took
@@ -92,23 +92,23 @@ struct PairedGain {
 struct Recording {
     RecordedPass pass;
     Spans spans;
-    std::vector<std::string> tasks;  ///< names, by number
-    std::vector<int> cycles;         ///< of tasks, by number
+    std::vector<std::string> tasks;  ///< names of tasks, by number
+    std::vector<int> cycles;         ///< cycles of tasks, by number
     long steps = 0;
     long lost = 0;      ///< stamps that did not fit
-    double cost = 0.0;  ///< what recording adds to the step time, as a share of it
+    double cost = 0.0;  ///< relative increase of the step time by recording
 };
 
 struct ScheduleResult {
     tasks::Schedule schedule;
     std::string name;               ///< "flow:fused"
-    std::vector<LoadResult> loads;  ///< in the order of MeasureOptions::neighbours
+    std::vector<LoadResult> loads;  ///< results in the order of MeasureOptions::neighbours
     Recording recording;
     CycleCost cycle;         ///< synchronisation of the executor by itself: median over rounds
     double bare = 0.0;       ///< a bare barrier of as many threads, measured in turn with it [s per cycle]
-    PairedGain paired;       ///< without neighbours
+    PairedGain paired;       ///< gain without neighbours
     double predicted = 0.0;  ///< speed-up without neighbours by the critical path; 0: no prediction [1]
-    std::uint64_t hash = 0;  ///< after `hash_steps` steps
+    std::uint64_t hash = 0;  ///< hash after `hash_steps` steps
     long hash_steps = 0;
 };
 
@@ -127,7 +127,7 @@ struct ScheduleTrial {
     bool dropped = false;
 };
 
-/// Gain of as many independent serial runs at once as there are threads: what processors give without any synchronisation.
+/// Gain of as many independent serial runs at once as there are threads: the machine's gain without any synchronisation.
 struct CopiesGain {
     int threads = 0;
     PairedGain paired{};

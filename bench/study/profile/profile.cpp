@@ -142,7 +142,7 @@ int max_threads(const std::vector<Schedule>& schedules) {
     return most;
 }
 
-/// By number of threads, median over the results.
+/// Costs of a bare barrier by number of threads, median over the results.
 std::vector<ThreadCost> bare_barriers(const std::vector<ScheduleResult>& results) {
     std::map<int, std::vector<double>> costs;
     for (const ScheduleResult& result : results) {

@@ -13,7 +13,7 @@ struct ScheduleChoice {
         names{};                  ///< "executor" (the scene's assembly) or "executor:fused", "executor:staged"; none: all executors x both
     std::vector<int> threads{};   ///< none: as many as are usable
     std::vector<int> segments{};  ///< 0: as many as threads; none: 0
-    engine::Wait wait = engine::Wait::balanced;  ///< of our own executors
+    engine::Wait wait = engine::Wait::balanced;  ///< waiting of cvtflow's executors
     bool pin = false;                            ///< each thread on one processor
 };
 
@@ -23,17 +23,17 @@ struct ScheduleChoice {
 
 struct Profile {
     std::vector<ScheduleResult> results;  ///< the first is serial:fused
-    StageTable stages;                    ///< of all of them
+    StageTable stages;                    ///< stages of all results
     std::vector<ThreadCost> bare;         ///< bare barrier by number of threads [s per cycle]
-    std::vector<CopiesGain> copies;       ///< by number of threads
+    std::vector<CopiesGain> copies;       ///< gains by number of threads
     ProfileModel model;
-    std::vector<std::string> differences;  ///< in hashes; must be empty
+    std::vector<std::string> differences;  ///< differences of hashes; must be empty
     double load_before = 0.0;              ///< the system's load average of the last minute; -1: unknown
     double load_after = 0.0;
 
     /// Fused schedule with the best speed-up on `threads` threads; nullptr: none was measured.
     [[nodiscard]] const ScheduleResult* best_fused(int threads) const noexcept;
-    double calibrated = -1.0;  ///< least that calibrations before, amid and after got of processors_requested(); -1: none [1]
+    double calibrated = -1.0;  ///< smallest share of processors_requested() that calibrations before, amid and after got; -1: none
 
     /// Processors that the hungriest schedule kept busy, and how many it could have.
     [[nodiscard]] double processors_got() const noexcept;

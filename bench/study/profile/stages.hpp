@@ -1,5 +1,5 @@
 #pragma once
-/// Where the time of a recorded run goes: by stage of the step and by thread, and what is lost between tasks.
+/// Distribution of the time of a recorded run: by stage of the step and by thread, and the losses between tasks.
 
 #include <string>
 #include <vector>
@@ -11,7 +11,7 @@ namespace cvtflow::bench {
 
 struct StageRow {
     std::string name;
-    char letter;  ///< in bar charts, none twice while letters and digits last
+    char letter;  ///< letter in bar charts, unique while letters and digits last
     bool task;
 };
 
@@ -54,16 +54,16 @@ using Spans = std::vector<std::vector<Span>>;  // [thread]
 /// One recorded run of an executor.
 struct RecordedPass {
     std::vector<ThreadTimes> threads;
-    double wall = 0.0;        ///< from the first thread's entering to the last one's leaving [s]
+    double wall = 0.0;        ///< time from the first thread's entering to the last one's leaving [s]
     double cycles = 0.0;      ///< runs of a sub-graph; fractional only if stamps were lost
     double levels = 0.0;      ///< levels within these: each ends with a synchronisation [1]
     double task_count = 0.0;  ///< [1]
 
-    [[nodiscard]] int active() const noexcept;  ///< threads that ran any task
+    [[nodiscard]] int active() const noexcept;  ///< number of threads that ran any task
     [[nodiscard]] double sum(std::size_t row) const noexcept;
-    [[nodiscard]] double tasks() const noexcept;       ///< [s], of all threads
+    [[nodiscard]] double tasks() const noexcept;       ///< task time of all threads [s]
     [[nodiscard]] double controller() const noexcept;  ///< [s]
-    [[nodiscard]] double wait() const noexcept;        ///< [s], of all threads
+    [[nodiscard]] double wait() const noexcept;        ///< waiting time of all threads [s]
 
     /// Time that every active thread loses per cycle, neither in a task nor because the controller works [s]:
     ///
@@ -77,11 +77,11 @@ struct RecordedPass {
     [[nodiscard]] double min_task() const noexcept;
     /// Longest over mean task time of all threads, over the whole run: 1 is even, the number of threads if only one worked.
     [[nodiscard]] double imbalance() const noexcept;
-    /// Share of the time between entering and leaving that is no task, for a run of one thread: what Amdahl's law calls serial.
+    /// Share of the time between entering and leaving that is no task, for a run of one thread: the serial share of Amdahl's law.
     [[nodiscard]] double serial_share() const noexcept;
 };
 
-/// Sums a run up. Spans of exactly one run, as SpanRecorder::spans() gives them; the table knows the graph.
+/// Sums a run up. Spans of exactly one run, from SpanRecorder::spans(); the table contains the graph.
 [[nodiscard]] RecordedPass sum_up(const engine::TaskGraph& graph, const StageTable& stages, const Spans& spans);
 
 }  // namespace cvtflow::bench

@@ -15,7 +15,7 @@ class FrozenStepper {
 public:
     /// `variator` and `phases` must outlive the stepper.
     FrozenStepper(const model::Variator& variator, const engine::StagePlan& plan, std::span<const model::Phase> phases);
-    /// From now on the state is constant unless it is disturbed: its drift is subtracted from every slope and time is held at t. The
+    /// Holds the state constant unless it is disturbed: its drift is subtracted from every slope and time is held at t. The
     /// remaining equation, u' = f(t, y + u) - f(t, y), shows whether small disturbances decay. Nothing is linearised. t [s]
     void hold(double t, const std::vector<double>& state);
     /// Takes `steps` steps of length h from time t. @param state [layout.size()], replaced
@@ -39,21 +39,21 @@ private:
 struct LocalError {
     double step = 0.0;         ///< [s]
     double positions = 0.0;    ///< coordinates of all links [1]
-    double velocities = 0.0;   ///< their derivatives [1]
-    double axial_force = 0.0;  ///< of all tips; 0 if none carries a force [1]
-    double tension = 0.0;      ///< of all links [1]
+    double velocities = 0.0;   ///< velocities of all links
+    double axial_force = 0.0;  ///< axial forces of all tips; 0 if none carries a force
+    double tension = 0.0;      ///< tensions of all links
 };
 
 /// How far `state` is from `reference`, both reached from `start` after time h. h [s]
 [[nodiscard]] LocalError error_of(const model::Variator& variator, const tasks::FrozenStart& start, double h,
                                   const std::vector<double>& state, const std::vector<double>& reference);
 
-/// Steps of the classical Runge-Kutta method that a reference takes over h: `refinement`, but none longer than 12.5 ns, which is a quarter
-/// of what it is stable with at full detail.
+/// Steps of the classical Runge-Kutta method that a reference takes over h: `refinement`, but none longer than 12.5 ns, a quarter of its
+/// stable step at full detail.
 [[nodiscard]] int reference_steps(double h, int refinement) noexcept;
 
-/// The error of one step of `plan` from `start`, for each step length. The reference takes reference_steps() of the classical
-/// Runge-Kutta method over the same time, so methods up to order 4 are resolved down to an error (1/refinement)^4 of their own. steps [s]
+/// The error of one step of `plan` from `start`, for each step length. The reference takes reference_steps() of the classical Runge-Kutta
+/// method over the same time, so errors of methods up to order 4 are resolved to a part (1/refinement)^4. steps [s]
 [[nodiscard]] std::vector<LocalError> local_errors(const model::Variator& variator, const engine::StagePlan& plan,
                                                    const tasks::FrozenStart& start, std::span<const double> steps, int refinement = 32);
 

@@ -147,7 +147,7 @@ constexpr double held_disturbances[] = {1e-7, 1e-6, 1e-5, 1e-8, 1e-9};  ///< [m/
     return scene;
 }
 
-/// `state` as the start of a grid with that step, tips not to change.
+/// Makes `state` the start of a grid with that step; tips keep their phases.
 void hold(IntegrationState& state, double h) {
     state.started = true;
     state.settling = false;

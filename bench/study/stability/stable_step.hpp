@@ -21,8 +21,8 @@ struct StableStep {
     std::complex<double> limiting{};  ///< the eigenvalue that leaves the region first [1/s]
 };
 
-/// A mode may grow this much faster than it does by itself and still count as stable: e-fold in 10 ms, longer than what is simulated.
-/// Without it, hardly damped slow modes would condemn every method whose region lacks the imaginary axis, however slowly they grow.
+/// A mode may grow this much faster than by itself and still count as stable: e-fold in 10 ms, longer than simulations. Without it, weakly
+/// damped slow modes would exclude every method whose region lacks the imaginary axis, however slowly they grow.
 inline constexpr double growth_rate_tolerance = 100.0;  ///< [1/s]
 
 /// The largest h such that no mode grows with any h' ≤ h: log|R(h' λ)|/h' ≤ max(Re λ, 0) + growth_rate_tolerance. Steps are tried in
@@ -35,12 +35,12 @@ inline constexpr double growth_rate_tolerance = 100.0;  ///< [1/s]
 struct MeasuredStep {
     double stable = 0.0;    ///< longest step tried with which a small disturbance died out [s]
     double unstable = 0.0;  ///< shortest step tried with which it grew [s]; 0: none did, the limit is beyond
-    long evaluations = 0;   ///< of the right-hand side
+    long evaluations = 0;   ///< evaluations of the right-hand side
     [[nodiscard]] double limit() const noexcept { return unstable > 0.0 ? 0.5 * (stable + unstable) : stable; }
 };
 
 /// Whether a disturbance of all velocities by ± 1e-9 m/s (so little that hardly a contact comes to the kink of its law) grows in `steps`
-/// steps about the held state: twofold in their second half, or a thousandfold in all, beyond what it does by itself.
+/// steps about the held state: twofold in their second half, or a thousandfold in all, beyond natural growth.
 /// @param natural_growth largest positive real part in the spectrum, or 0 [1/s]
 [[nodiscard]] bool disturbance_grows(const model::Variator& variator, const engine::StagePlan& plan, const tasks::FrozenStart& start,
                                      double h, int steps, double natural_growth = 0.0);
@@ -56,11 +56,11 @@ public:
     virtual ~TakenStep() = default;
     /// The next steps have this length. false: the method refuses or fails. h [s]
     [[nodiscard]] virtual bool prepare(double h) = 0;
-    /// To what else may show that disturbances die out: another state, one step further along. false: nothing.
+    /// Moves to another state that may show that disturbances die out: one step further along. false: there is none.
     [[nodiscard]] virtual bool move_on() = 0;
-    /// Numbers of a disturbance: the state, then what the method remembers.
+    /// Numbers of a disturbance: the state, then the memory of the method.
     [[nodiscard]] virtual int size() const noexcept = 0;
-    /// A disturbance of the state alone: what a method remembers is not all of it linear. [size()]
+    /// A disturbance of the state alone: the memory of a method is not all linear. [size()]
     [[nodiscard]] virtual std::vector<double> mixed_start() const = 0;
     /// The step from the state plus `from`, less the step from the state, over the size of `from`. false: the method failed. from
     /// [unknowns], to [unknowns]
@@ -72,7 +72,7 @@ protected:
     TakenStep& operator=(const TakenStep&) = default;
 };
 
-/// The simulation's own step, memory of the method included, along its way.
+/// The simulation's step, memory of the method included, along its way.
 class RealStep final : public TakenStep {
 public:
     /// @throws SimulationError as Simulation
@@ -83,7 +83,7 @@ public:
     bool move_on() override;
     int size() const noexcept override { return static_cast<int>(scale_.size()); }
     std::vector<double> mixed_start() const override;
-    bool step(const double* from, double* to) override;  ///< from [unknowns], to [unknowns]
+    bool step(const double* from, double* to) override;
 
 private:
     [[nodiscard]] bool take(tasks::IntegrationState& state);
@@ -92,7 +92,7 @@ private:
     const tasks::FrozenStart start_;
     double h_ = 0.0;  ///< [s]
     tasks::IntegrationState base_, image_, moved_;
-    std::vector<double> scale_;  ///< what counts as one [unknowns]
+    std::vector<double> scale_;  ///< size of a disturbance that counts as one [unknowns]
 };
 
 /// The step of a table with the state's drift subtracted: stages that grow a great deal would carry the drift over the kinks of friction.
@@ -105,7 +105,7 @@ public:
     bool move_on() override { return ++trial_ < trials; }
     int size() const noexcept override { return static_cast<int>(scale_.size()); }
     std::vector<double> mixed_start() const override;
-    bool step(const double* from, double* to) override;  ///< from [unknowns], to [unknowns]
+    bool step(const double* from, double* to) override;
 
 private:
     const model::ChainLayout layout_;

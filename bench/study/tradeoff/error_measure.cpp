@@ -50,7 +50,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-/// Takes down what errors are measured of, and how long that took.
+/// Records the data whose errors are measured, and the time that this takes.
 class TrajectoryObserver final : public RunObserver {
 public:
     TrajectoryObserver(const model::Variator& variator, double begin, Trajectory& into) : observer_(variator), begin_(begin), into_(into) {}

@@ -1,6 +1,6 @@
 #pragma once
 /// Cost of a run and its error against a run with a tight step: the two axes of every work-precision picture.
-/// A run is a scene and settings ("run.method=dumka3-p5", "run.step=2us", …); nothing here knows what kind of method that is.
+/// A run is a scene and settings ("run.method=dumka3-p5", "run.step=2us", …), independent of the kind of method.
 
 #include <optional>
 #include <span>
@@ -14,8 +14,8 @@
 
 namespace cvtflow::bench {
 
-/// The one definition of a relative error: ‖is - expected‖/‖expected‖, Euclidean, over all numbers that are added. Whatever the documents
-/// print of a method's error is made by it.
+/// The one definition of a relative error: ‖is - expected‖/‖expected‖, Euclidean, over all numbers that are added. All errors of methods in
+/// the documents use it.
 class RelativeError {
 public:
     /// Adds numbers of one instant or quantity, in any unit. @param is, expected equally long
@@ -35,20 +35,20 @@ private:
 /// Data whose errors are measured, at the output times of one run; the start is not among them.
 struct Trajectory {
     std::vector<double> times;                     ///< [outputs] [s]
-    std::vector<std::vector<double>> axial_force;  ///< [outputs][4 links] of each tip [N]
+    std::vector<std::vector<double>> axial_force;  ///< [outputs][4 links] axial force of each tip [N]
     std::vector<std::vector<double>> tension;      ///< [outputs][links] [N]
-    std::vector<double> slip;                      ///< [outputs] of both pulleys together
+    std::vector<double> slip;                      ///< [outputs] slip of both pulleys together
     std::vector<double> losses;                    ///< [outputs] power turned into heat [W]
     std::vector<tasks::TransitionRecord> transitions;
     std::vector<double> side;                       ///< [links] x of the rear halves at the start [m]
-    std::optional<bench::NewtonStatistics> newton;  ///< of trapezoidal methods
+    std::optional<bench::NewtonStatistics> newton;  ///< statistics of trapezoidal methods
 
     tasks::Counters counters;
-    tasks::Fault fault;        ///< why it ended early, if it did
+    tasks::Fault fault;        ///< reason for an early end, if any
     double step = 0.0;         ///< longest step used [s]
     double simulated = 0.0;    ///< [s]
-    double wall = 0.0;         ///< without the time that observing took [s]
-    double steady_wall = 0.0;  ///< per simulated second of a longer run, where a short one is no measure of that; 0: it is [s/s]
+    double wall = 0.0;         ///< wall time without observing [s]
+    double steady_wall = 0.0;  ///< wall time per simulated second of a longer run; 0: the short run is representative [s/s]
     WatchResult watch;         ///< whether its figures can be right
     std::uint64_t hash = 0;
     std::string schedule;
@@ -91,15 +91,15 @@ struct ErrorReport {
 
 /// Where and how often runs are observed. The default interval is a multiple of 1, 1.5, 2, 3, 4 and 6 us: such steps are used unchanged.
 struct MeasureSettings {
-    double duration = 120e-6;                                                 ///< from the scene's start [s]
-    double interval = 12e-6;                                                  ///< between outputs [s]
+    double duration = 120e-6;                                                 ///< time from the scene's start [s]
+    double interval = 12e-6;                                                  ///< time between outputs [s]
     std::vector<std::string> reference{"run.method=rk4", "run.step=12.5ns"};  ///< settings of the reference
     /// Automatic steps estimate the spectrum often in the beginning: their cost is measured over this, if it is longer than `duration` [s].
     double steady = 4e-3;
     std::optional<engine::SavedState> start = {};  ///< where runs begin; nothing: the scene's state file
 };
 
-/// The scene with outputs and states every `interval` [s], then with `settings` (key=value), which may say otherwise.
+/// The scene with outputs and states every `interval` [s], then with `settings` (key=value), which may overrule them.
 /// @throws SceneError
 [[nodiscard]] tasks::Scene with_outputs(const tasks::Scene& scene, double interval, std::span<const std::string> settings);
 
@@ -110,7 +110,7 @@ public:
     /// set_values
     ErrorMeasure(tasks::Scene scene, MeasureSettings settings, const engine::Cancellation& cancel);
 
-    /// The scene with these settings, run as the reference was. A run that fails is a result: see Trajectory::fault.
+    /// Runs the scene with these settings, like the reference. A run that fails is a result: see Trajectory::fault.
     /// @throws as set_values and Simulation
     [[nodiscard]] Trajectory run(std::span<const std::string> settings) const;
 

@@ -134,7 +134,7 @@ void Confirmation::take_reference() {
     for (const FrozenStart& at : {begin, end}) ends_.emplace_back(*variator_, scene.parameters, at);
 }
 
-/// A quarter of the automatic step, and half of it: what both agree on by a quarter of the tolerance is taken; else shorter ones.
+/// Takes a quarter of the automatic step if half of the automatic step agrees with it by a quarter of the tolerance; else shorter steps.
 void Confirmation::refine_reference() {
     const std::string method = RunSettings{}.method;
     const auto settings = [&](double step) {

@@ -1,9 +1,9 @@
 #pragma once
-/// Which of the choices on the front of error and time is recommended for an accuracy, and whether a choice that is exact over a short time
-/// is also right over one that slip and efficiency are read of: bursts are rare.
+/// Recommendation for an accuracy among the choices on the front of error and time, and confirmation that a choice that is exact over a
+/// short time is also right over a time long enough for slip and efficiency: bursts are rare.
 ///
 /// Every choice to confirm runs from the scene's start over the same time. Its mean slip and its losses are compared with those of a
-/// reference, its energy balance with itself (EnergyLedger), its step with what its method is stable for at both ends of the reference
+/// reference, its energy balance with itself (EnergyLedger), its step with the method's stable step at both ends of the reference
 /// (predicted_step_limit()).
 
 #include <cstddef>
@@ -30,14 +30,14 @@ namespace cvtflow::bench {
 inline constexpr double tradeoff_safety = 3.0;
 
 struct ConfirmSettings {
-    double duration = 20e-3;  ///< from the scene's start [s]
-    double interval = 12e-6;  ///< between outputs [s]
-    double tolerance = 0.01;  ///< of mean slip and losses [1]
+    double duration = 20e-3;  ///< time from the scene's start [s]
+    double interval = 12e-6;  ///< time between outputs [s]
+    double tolerance = 0.01;  ///< tolerance of mean slip and losses
     std::vector<std::string>
         reference;  ///< settings; empty: the default method at a quarter of its automatic step, refined until it agrees with itself
 };
 
-/// A run that was long enough to be read, or what came instead.
+/// A run long enough for means, or its fault.
 struct LongRun {
     tasks::Fault fault;
     WatchResult watch;
@@ -62,7 +62,7 @@ public:
     /// Up to which step the method is stable at both ends of the reference [s]; infinite: linear stability sets no limit. Settings as
     /// ErrorMeasure takes them.
     [[nodiscard]] double stable_step(std::span<const std::string> settings);
-    /// Whether the step is longer. Automatic steps and steps by error see to it by themselves.
+    /// Whether the step is longer than that; false for automatic steps and steps by error.
     [[nodiscard]] bool beyond_stability(std::span<const std::string> settings);
     [[nodiscard]] Confirmed check(std::span<const std::string> settings);
     /// The run alone, whatever its step.
@@ -86,7 +86,7 @@ private:
     std::string reference_text_;
     std::unique_ptr<model::Variator> variator_;
     std::deque<bench::LinearChain> ends_;   ///< linearised at both ends of the reference
-    std::map<std::string, double> stable_;  ///< by method [s]
+    std::map<std::string, double> stable_;  ///< stable step by method [s]
 };
 
 }  // namespace cvtflow::bench

@@ -13,7 +13,7 @@
 
 namespace cvtflow::engine::test {
 
-/// ThreadSanitizer sees into neither oneTBB nor OpenMP and takes their synchronisation for races.
+/// ThreadSanitizer does not understand the synchronisation of oneTBB and OpenMP and takes it for races.
 #if defined(__SANITIZE_THREAD__)
 inline constexpr bool thread_sanitizer = true;
 #elif defined(__has_feature)
@@ -30,7 +30,7 @@ inline constexpr bool thread_sanitizer = false;
 inline constexpr const char* parallel_executor = thread_sanitizer ? "barrier" : "flow";
 
 /// Tasks whose numbers depend on those of their predecessors, and a controller whose decisions depend on the numbers of all tasks.
-/// All data are plain, as in the step: a task that runs twice, too early, side by side with another that it must see, or in another
+/// All data are plain, as in the step: a task that runs twice, too early, at the same time as another whose result it needs, or in another
 /// cycle's time changes numbers or is counted, and is a race for ThreadSanitizer.
 class World final : public Controller {
 public:
@@ -38,7 +38,7 @@ public:
     /// @param edges each task waits for a random choice of the level before (0 < edges ≤ 1), for one at least
     explicit World(const std::vector<std::vector<int>>& cycles, unsigned seed = 1, double edges = 0.5);
 
-    /// Runs that many cycles from the beginning. @throws what the executor throws
+    /// Runs that many cycles from the beginning. @throws as the executor
     void run(Executor& executor, long cycles);
     int next() noexcept override;
 
@@ -90,13 +90,13 @@ struct Case {
     [[nodiscard]] std::unique_ptr<Executor> make() const { return row->make({.threads = threads}); }
 };
 /// Quick: `serial`, `flow` and, in a laboratory build, `barrier`, times 1, 2 and 4 threads; deep: the catalogue times 1, 2, 4 and 8. Under
-/// ThreadSanitizer only what it understands.
+/// ThreadSanitizer only cases that it understands.
 [[nodiscard]] std::vector<Case> all_cases();
 /// One of each executor, the parallel ones with 2 threads.
 [[nodiscard]] std::vector<Case> pairs();
 /// Parallel cases only.
 [[nodiscard]] std::vector<Case> parallel_pairs();
-/// Calls `check` for each case, whose name stands beside every failure.
+/// Calls `check` for each case and adds its name to every failure.
 template <class Check>
 void for_each(const std::vector<Case>& cases, const Check& check) {
     EXPECT_FALSE(cases.empty());

@@ -1,9 +1,9 @@
 #pragma once
-/// A machine that goes through every interleaving of a few workers, one after the other: what stands between two operations on atomics
-/// runs at one go, and before each the next worker is chosen. A relaxed or acquiring load may see any store that coherence and what
-/// happened before allow, not just the latest. Sleep sets leave out interleavings that differ only in the order of independent operations.
+/// A machine that executes every interleaving of a few workers, one after the other: code between two operations on atomics runs at once,
+/// and before each operation the next worker is chosen. A relaxed or acquiring load may return any store that coherence and the
+/// happens-before order allow, not just the latest. Sleep sets leave out interleavings that only reorder independent operations.
 ///
-/// Not covered: stores that enter an atomic's order of modification before an older one, loads that see stores of their own future,
+/// Not covered: stores that enter an atomic's order of modification before an older one, loads of stores that execute later,
 /// compare-and-swaps that fail for no reason, and sequentially consistent operations (which do not compile).
 
 #include <ucontext.h>
@@ -26,7 +26,7 @@ public:
     virtual ~Scenario() = default;
     /// Work of a worker. Allocates nothing: an interleaving that is left early leaves it where it is.
     virtual void work(int worker) noexcept = 0;
-    /// Called when all workers have ended: what is wrong; empty: nothing.
+    /// Fault after all workers have ended; empty: none.
     [[nodiscard]] virtual std::string fault() = 0;
 };
 
@@ -48,12 +48,12 @@ struct Site {
 enum class Sabotage {
     none,
     relaxed,  ///< the operation orders nothing
-    torn,     ///< what reads and writes in one does so in two
+    torn,     ///< the operation reads and writes in two steps instead of one
 };
 
 class Interleavings;
 
-/// Operation that a worker is before.
+/// Next operation of a worker.
 struct Pending {
     enum class Kind { load, modify, change, rest, ended } kind = Kind::load;
     int atomic = -1;
@@ -61,13 +61,13 @@ struct Pending {
     std::uint64_t seen = 0;  ///< rest: bits of the atomics that were read
 };
 
-/// Atomics and cells of an interleaving: what each worker may see, and what happened before what.
+/// Atomics and cells of an interleaving: the stores visible to each worker, and the happens-before order.
 class ModelMemory {
 public:
     static constexpr int max_workers = 4, max_atomics = 48;
 
     explicit ModelMemory(Interleavings& machine) : machine_(machine) {}
-    /// Empty, for the next interleaving.
+    /// Clears the memory for the next interleaving.
     void clear();
 
     // Operations of atomics. `order` determines visibility.
@@ -78,7 +78,7 @@ public:
     bool swap(int atomic, std::uint64_t& expected, std::uint64_t value, std::memory_order order, const Place& where);
     /// Waits until an atomic has another value.
     std::uint64_t change(int atomic, std::uint64_t old, const Place& where);
-    /// Waits until something was stored that the worker's loads since its last rest have not seen; from then on they see it.
+    /// Waits for a store that the worker's loads since its last rest did not return; from then on they return it.
     void rest();
 
     // Plain data.
@@ -117,7 +117,7 @@ private:
 
     Interleavings& machine_;
     std::array<Sight, max_workers> sights_;
-    std::vector<std::vector<Store>> stores_;  ///< [atomic] in their order of modification
+    std::vector<std::vector<Store>> stores_;  ///< [atomic] stores in their order of modification
     std::vector<Cell> cells_;
 };
 
@@ -126,14 +126,14 @@ public:
     struct Options {
         int workers = 2;
         long most = 5'000'000;  ///< interleavings; more are a fault
-        int absences = 0;       ///< how often a worker may go away
+        int absences = 0;       ///< number of times that a worker may go away
         Sabotage sabotage = Sabotage::none;
-        std::string place{};  ///< of the operation that is sabotaged
+        std::string place{};  ///< place of the operation that is sabotaged
     };
     struct Outcome {
-        long interleavings = 0;     ///< run to their end
+        long interleavings = 0;     ///< interleavings that ended
         long longest = 0;           ///< operations of the longest of them
-        std::string fault{};        ///< the first one; empty: none
+        std::string fault{};        ///< first fault; empty: none
         std::vector<Site> sites{};  ///< operations that were met
     };
     using Make = std::function<std::unique_ptr<Scenario>()>;
@@ -146,7 +146,7 @@ public:
 
     /// One of `possibilities`; all come in turn.
     [[nodiscard]] int pick(int possibilities);
-    /// A worker that may go away once more does; asked for possibilities.
+    /// Whether the worker goes away now, if it may once more: both possibilities come in turn.
     [[nodiscard]] bool may_leave();
 
     // For the memory: the running worker (negative: none, or one that begins) …

@@ -17,7 +17,7 @@ using test::Case;
 using test::mixed_cycles;
 using test::World;
 
-/// Runs in a world of its own and compares with serial.
+/// Runs in a separate world and compares with serial.
 void expect_right(Executor& executor, long cycles = 200) {
     World world(mixed_cycles());
     world.run(executor, cycles);
@@ -59,7 +59,7 @@ TEST(AmongNeighbours, TwoSideBySide) {
     });
 }
 
-/// In a process that uses oneTBB itself.
+/// Executors in a process that uses oneTBB itself.
 class InsideAHost : public testing::Test {
     void SetUp() override {
         if (test::thread_sanitizer) GTEST_SKIP() << "the host is oneTBB";

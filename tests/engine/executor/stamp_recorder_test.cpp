@@ -104,7 +104,7 @@ TEST(StampRecorder, AllocatesNothingWhileRecording) {
     EXPECT_EQ(test::allocation_count(), before);
 }
 
-/// With OMP_WAIT_POLICY=active they would wait on their processors for ever, and what is measured next would have one processor less.
+/// Threads with OMP_WAIT_POLICY=active would wait on their processors for ever, and the next measurement would have one processor less.
 TEST(OpenMpExecutors, KeepNoThreadThatIsReleased) {
     if (test::thread_sanitizer) GTEST_SKIP() << "it sees no synchronisation of OpenMP";
     int parallel = 0;

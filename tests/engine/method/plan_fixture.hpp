@@ -29,11 +29,11 @@ struct Problem {
 [[nodiscard]] State integrate_with_cuts(const StagePlan& plan, const Problem& problem, int steps);
 
 using Integration = State (*)(const StagePlan& plan, const Problem& problem, int steps);
-/// Order seen when the step is halved, at the finest step whose error still stands clear of rounding.
+/// Order measured by halving the step, at the finest step whose error is still clear of rounding.
 /// @param clear errors below are taken for rounding
 [[nodiscard]] double measured_order(const StagePlan& plan, const Problem& problem, double clear, Integration integration = integrate);
 
-/// Two Euler steps of h/2 in one plan, chained by a kept state: by hand c = (0, 1/2), b = (1/2, 1/2), order 1.
+/// Two Euler steps of h/2 in one plan, chained by a kept state: c = (0, 1/2), b = (1/2, 1/2), order 1.
 [[nodiscard]] StagePlan two_half_euler_steps();
 /// DUMKA3 with its degrees 3 (P0) and 6 (P1), stage by stage as the blocks run, with the error estimate's evaluation at the end.
 [[nodiscard]] StagePlan dumka3_degree_3();

@@ -1,8 +1,8 @@
 #pragma once
-/// Files that lie, made from true ones: a seed decides what is changed, so that every mutant can be made again.
+/// False files, made from true ones: a seed decides what is changed, so that every mutant can be made again.
 ///
 /// Two layers. Through HDF5 itself, so that the library finds nothing wrong: rank, extent, type, width, links, attributes, filters, chunks.
-/// In the bytes: bits, zeros, pieces, lengths; also in metadata whose checksum is then renewed, which only an enemy does.
+/// In the bytes: bits, zeros, pieces, lengths; also in metadata whose checksum is then renewed, as an attacker does.
 
 #include <hdf5.h>
 
@@ -29,7 +29,7 @@ public:
     const auto& one_of(const Items& items) {
         return *std::next(std::begin(items), static_cast<std::ptrdiff_t>(below(std::size(items))));
     }
-    /// Small ones, powers of two and their neighbours: what shapes go wrong with.
+    /// Small extents, powers of two and their neighbours, which cause errors in shapes.
     hsize_t extent() {
         const hsize_t power = hsize_t{1} << below(62);
         const hsize_t choices[] = {0, 1, 2, 3, 7, below(100), power, power - 1, power + 1};
@@ -45,11 +45,11 @@ inline constexpr std::array<std::string_view, 11> mutation_names{"rank",  "exten
                                                                  "group", "bits",   "bytes", "size",    "forged"};
 
 struct MutantOptions {
-    bool seal_anew = false;  ///< as someone does who knows how; otherwise the seal stays as it was, or is lost
-    bool forge = true;       ///< headers with checksums made right, too
+    bool seal_anew = false;  ///< renews the seal, like an expert; otherwise it stays as it was, or is lost
+    bool forge = true;       ///< corrects checksums of headers, too
 };
 
-/// Changes a file in place. @return what was done
+/// Changes a file in place. @return kind of the change
 Mutation mutate(const std::string& path, std::uint64_t seed, const MutantOptions& options);
 
 }  // namespace cvtflow::engine

@@ -24,7 +24,7 @@ namespace cvtflow::engine {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__)
-constexpr bool instrumented = true;  ///< its shadow takes terabytes of addresses
+constexpr bool instrumented = true;  ///< the sanitizer's shadow takes terabytes of addresses
 #else
 constexpr bool instrumented = false;
 #endif
@@ -82,7 +82,7 @@ protected:
     Hdf5MutantTest() : notes_(new (mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) Notes) {}
     ~Hdf5MutantTest() override { munmap(notes_, sizeof(Notes)); }
 
-    /// In the order of the readers: a finished record, one as a kill leaves it, a state, a finished table of cases, and one that was being
+    /// Files in the order of the readers: a finished record, one after a kill, a state, a finished table of cases, and one that was being
     /// written.
     [[nodiscard]] std::vector<std::string> originals() const {
         const auto fill = [](RunFile& file) {

@@ -1,6 +1,6 @@
 #pragma once
-/// How long a reader may take for a file that lies: processor time of its own, so that a busy machine gives no false alarm, and a generous
-/// time on the clock, so that one that sleeps for ever is seen as well.
+/// Limits of a reader's time on a false file: its processor time, so that a busy machine gives no false alarm, and a generous time on the
+/// clock, which also ends a reader that sleeps for ever.
 
 #include <sys/time.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A folder of its own for every test, child processes to be killed, and the run that the tests of the record write.
+/// A separate folder for every test, child processes to be killed, and the run that the tests of the record write.
 
 #include <gtest/gtest.h>
 
@@ -40,11 +40,11 @@ void append_example_state(RunFile& file, int i);
 
 /// Runs the body in a child process that exits with 0, or with 1 after an exception. @return its process number
 [[nodiscard]] int start_child(const std::function<void()>& body);
-/// Waits for it. @return exit status as the shell counts it, 128 + signal for a killed one
+/// Waits for a child. @return exit status as the shell counts it, 128 + signal for a killed one
 int wait_for(int child);
-/// Cuts a finished file's seal off.
+/// Removes the seal of a finished file.
 void without_seal(const std::string& path);
-/// Puts one behind what the file holds now.
+/// Adds a seal for the present contents of a file.
 void seal_anew(const std::string& path);
 [[nodiscard]] std::string read_text_file(const std::string& path);
 

@@ -32,7 +32,7 @@ TEST_F(LabCommands, HaveAHelpEach) {
     }
 }
 
-/// As they are pasted: values contain blanks, brackets and commas.
+/// Settings are pasted into a shell: values contain blanks, brackets and commas.
 TEST_F(LabCommands, LotteryPrintsSettingsAsWordsOfAShell) {
     std::istringstream lines(run({"lottery", "--settings", "--machines", "40"}).out);
     int settings = 0;

@@ -32,7 +32,7 @@ struct Expected {
 /// One command line for any method.
 struct Row {
     std::string command;
-    std::string variant;  ///< of the same command
+    std::string variant;  ///< variant of the command
     Words (*words)(const std::string& method);
     Expected (*expected)(const std::string& method);
 
@@ -69,7 +69,7 @@ Expected refused_or(const std::string& method, int status, const Expected& other
     return tasks::belongs_to_laboratory(method) ? Expected{status, method + " belongs to the laboratory: cvtflow-lab run"} : otherwise;
 }
 
-/// In the order in which they can follow one another: resume needs what checkpoint left, table what batch did.
+/// Rows in a possible order: resume needs the file of checkpoint, table the folder of batch.
 const std::vector<Row> rows{
     {"run", "",
      [](const std::string& m) {
@@ -194,7 +194,7 @@ const std::vector<Row> rows{
      }},
 };
 
-/// Scenes and methods on the command line, as the commands' own help has it.
+/// Scenes and methods on the command line, as in the help of the commands.
 bool takes_a_method(const std::string& help) {
     const auto mentions = [&](const char* word) { return help.find(word) != std::string::npos; };
     return mentions("--method") || mentions("METHOD") || mentions("run.method") || mentions("--set ") || mentions("SWEEP") ||

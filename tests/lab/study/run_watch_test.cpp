@@ -49,7 +49,7 @@ TEST(RunWatch, NothingThatPassesAPulleyNeedsNoPinPeriods) {
     EXPECT_TRUE(none.long_enough());
 }
 
-/// At this state the classical method is stable up to 0.7 us.
+/// The classical method is stable up to 0.7 us at this state.
 TEST(RunWatch, CallsAStepBeyondStabilityUnreliable) {
     EXPECT_EQ(watched({"run.step=50ns"}, 600e-6).status({}), "finished");
     const bench::WatchResult wrong = watched({"run.method=rk4", "run.step=2us"}, 600e-6);

@@ -1,4 +1,4 @@
-/// Lanes of doubles and of floats: what is written over a width computes the same, lane by lane, as one number would.
+/// Lanes of doubles and of floats: code over a width computes, lane by lane, the results of single numbers.
 
 #include <gtest/gtest.h>
 #include <array>

@@ -11,7 +11,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// Shafts that turn at 200 and 180 rad/s and stand at 3 and 2 rad.
+/// Shafts that turn at 200 and 180 rad/s, at the angles 3 and 2 rad.
 std::vector<double> coupled_pulleys(const PulleyModel& pulleys) {
     std::vector<double> block(static_cast<std::size_t>(2 * pulleys.coordinates().size()));
     const double speed[] = {200.0, 180.0}, angle[] = {3.0, 2.0};

@@ -82,7 +82,7 @@ TEST(Guide, OfTheLowerStrandIsTheMirrorImage) {
     EXPECT_EQ(upper.normal[0], lower.normal[0]);
 }
 
-/// Power of the force is what the stored energy falls by, less the losses: at the ends of the rails too, where a pin climbs.
+/// Power of the force is the decrease of the stored energy, less the losses: at the ends of the rails too, where a pin climbs.
 TEST(Guide, PowerIsChangeOfEnergyAndLoss) {
     const GuideCoefficients g = guide_of_a_slanted_strand();
     for (const double s : {g.begin + 0.004, g.begin + 0.012, middle_of_rails(g), g.end - 0.009}) {

@@ -118,7 +118,7 @@ TEST(Hydraulics, AStrokeLastsAsLongAsThePumpTakesToFillIt) {
     EXPECT_NEAR(time, h.driving.area * stroke / flow, 0.01 * time);  // oil is compressed by c v/A, which takes 3e-4 of the time
 }
 
-/// Pump = losses + sheaves + change of what is stored, at every instant, whatever the state.
+/// Pump = losses + sheaves + change of the stored energy, at every instant, whatever the state.
 TEST(Hydraulics, PowersBalanceAtEveryInstant) {
     Hydraulics h = usual_hydraulics();
     const HydraulicModel model = model_of(h);

@@ -360,7 +360,7 @@ Parameters with_safety(double required, double torque) {
 
 double carried_per_force(const Parameters& p) { return 2.0 * p.tip.friction.coefficient * p.pulley.arc_position / std::cos(p.tip.angle); }
 
-/// S' = K_I (1 - S/S_w) below the force that is required, S' = K_I (S_w/S - 1) above it: solved by hand.
+/// S' = K_I (1 - S/S_w) below the force that is required, S' = K_I (S_w/S - 1) above it: closed form.
 TEST(Inputs, ControlOfTheSafetyFactorApproachesItAsTheoryHasIt) {
     const Parameters low = with_safety(1.5, 200.0);
     const double required = 1.5 * 200.0 / carried_per_force(low), time = 4e-3;

@@ -29,7 +29,7 @@ TEST(SpeedProfile, GoesThroughItsPointsAndIsConstantOutside) {
     EXPECT_EQ(SpeedProfile::through(std::vector{0.1}, std::vector{0.7}).at(0.0), 0.7);
 }
 
-/// Between two points no value is outside theirs, and values keep their order.
+/// Values between two points are within theirs, and keep their order.
 TEST(SpeedProfile, IsMonotoneBetweenPoints) {
     const SpeedProfile profile = SpeedProfile::through(speeds, values);
     for (std::size_t k = 0; k + 1 < speeds.size(); ++k) {
@@ -68,7 +68,7 @@ TEST(TipFactors, LanesGiveWhatEachGivesAloneAndTheSlopeOfTheProfile) {
     }
 }
 
-/// v + b m(v) = w, to what two steps of Newton's method leave of friction.
+/// v + b m(v) = w, to the error of two steps of Newton's method.
 TEST(TipFactors, BrakedSpeedSolvesItsEquationOnFallingFriction) {
     const TipLaw law = law_of(SpeedProfile::through(std::vector{0.01, 0.5}, std::vector{1.0, 0.6}));
     for (const double w : {0.05, 0.1, 0.2, 0.4, 0.9}) {
@@ -100,7 +100,7 @@ TEST(TipLaw, ViscosityFollowsItsTwoPointsAndFallsWithTheTemperature) {
     EXPECT_NEAR(oil_viscosity(oil, 2.0 / (1.0 / 135.0 + 1.0 / 195.0) - 95.0 + 273.15), middle, 1e-9 * middle);
 }
 
-/// Hamrock and Dowson's central film of the baseline: 28 nm at 0.1 m/s and 40 °C with steel and 0.03 Pa·s, by hand.
+/// Hamrock and Dowson's central film of the baseline: 28 nm at 0.1 m/s and 40 °C with steel and 0.03 Pa·s.
 TEST(TipLaw, FilmIsThatOfHamrockAndDowson) {
     const Parameters p;
     const double e = 2.1e11 / 0.91, r = std::pow(0.75 * 2.5e10 / (0.5 * e), 2), force = 2.5e10 * std::pow(9e-6, 1.5);
@@ -170,7 +170,7 @@ FrictionCurve smoothed(double half_width) {
     return FrictionCurve({0.09, v0}, detail);
 }
 double slip_factor(const FrictionCurve& curve, double speed) { return model::slip_factor<1>(curve, Lanes<1>(speed))[0]; }
-/// Share of the full friction, with the sign of the speed: what a force uses.
+/// Share of the full friction, with the sign of the speed.
 double share(const FrictionCurve& curve, double speed) { return slip_factor(curve, std::abs(speed)) * speed; }
 
 TEST(Friction, PiecewiseIsLinearUpToTheSaturationSpeedAndConstantBeyond) {
@@ -266,7 +266,7 @@ struct BandContact {
         return damping + damping * stiffness / (a * (mass * a + damping));
     }
     [[nodiscard]] double limit_frequency() const { return std::sqrt(stiffness * follows() / (mass * follows() + damping)); }
-    /// With which friction falls by g [N].
+    /// Load with which friction falls by g [N].
     [[nodiscard]] double load(double g) const { return -g / (coefficient * speed_factor_slope<1>(law, Lanes<1>(band))[0]); }
 };
 
@@ -321,7 +321,7 @@ TEST(FrictionMemory, OfOneContactOnASpringHasRouthsLimitAndItsFrequency) {
     }
 }
 
-/// At once the limit is g = c: what memory stabilises.
+/// The limit without memory is g = c, which memory raises.
 TEST(FrictionMemory, MakesFallingFrictionStableThatIsUnstableAtOnce) {
     BandContact contact;
     contact.law = falling_with_memory(1e-5);

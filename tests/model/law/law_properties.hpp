@@ -50,7 +50,7 @@ void expect_one_law_in_three_functions(const FrictionCurve& curve) {
     EXPECT_EQ((slip_factor_of_square<1, Laws>(curve, Lanes<1>(0.0))[0]), 1.0 / v0);
 }
 
-/// Four speeds side by side give what each gives alone.
+/// Four speeds side by side give the bits of each alone.
 template <class Laws>
 void expect_the_same_side_by_side(const FrictionCurve& curve) {
     const double v0 = curve.saturation_speed;

@@ -45,7 +45,7 @@ TEST(HeatBalance, EndsWhereFlowsBalanceTheLosses) {
     EXPECT_NEAR(heat.film(), heat.oil() + 1.0, 1e-6);
 }
 
-/// Without exchange the pulleys warm by P t/C, to rounding for every step.
+/// Pulleys without exchange warm by P t/C, to rounding for every step.
 TEST(HeatBalance, AdiabaticPulleysWarmInProportionToTheHeat) {
     Parameters p = warming();
     p.heat.pulley_conductance = 0.0;

@@ -186,7 +186,7 @@ TEST(MassScaling, LeavesMomentumOfEveryTranslationToTheBit) {
     });
 }
 
-/// With momentum p_0 of the translations, energy is ½ p_0·M_00⁻¹ p_0 and that of motion without momentum.
+/// Energy is ½ p_0·M_00⁻¹ p_0, of the momentum p_0 of the translations, and that of motion without momentum.
 TEST(MassScaling, MultipliesTheEnergyOfMotionWithoutMomentum) {
     std::mt19937_64 random(4);
     std::uniform_real_distribution<double> any(-1.0, 1.0);

@@ -65,7 +65,7 @@ TEST(Trip, EnergiesOfAConstantAccelerationAreThoseOfTheClosedForm) {
     EXPECT_EQ(of(sums, clutch), 0.0);
 }
 
-/// From rest: until shaft 2 turns at idle_speed/max_ratio it turns so already, and the clutch loses torque times difference of speeds.
+/// Shaft 2 turns at idle_speed/max_ratio until the vehicle reaches this speed; the clutch loses torque times difference of speeds.
 TEST(Trip, AStartingClutchSlipsWhereTheEngineWouldTurnBelowItsIdlingSpeed) {
     Vehicle v = car();
     v.drag_area = v.rolling_resistance = 0.0, v.efficiency = 1.0;

@@ -330,7 +330,7 @@ oracle::Vec2 sum_in_plane(const Seen& seen, int shaft) {
     return sum;
 }
 
-/// Newton's law for shaft and sheaves together: what the chain does to them and the bearings do not take accelerates them.
+/// Newton's law for shaft and sheaves together: forces of the chain less those of the bearings accelerate them.
 TEST(ChainForces, BearingsCarryWhatTheChainGivesLessWhatAcceleratesTheShaft) {
     for (int order : {0, 3}) {
         Parameters p = oracle::small_scene();

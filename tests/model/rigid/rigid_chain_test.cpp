@@ -79,7 +79,7 @@ struct Evaluation {
     }
     std::vector<double> slope;
     Inputs inputs;
-    Account chain, all;  ///< of the chain, with the pulleys'
+    Account chain, all;  ///< accounts of the chain, and of chain and pulleys
 
     [[nodiscard]] static double total(const auto& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 };

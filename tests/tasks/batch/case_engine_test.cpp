@@ -36,7 +36,7 @@ protected:
         return read_sweep(folder_ / "s.toml",
                           [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
     }
-    /// One engine and what it needs.
+    /// One engine and its data.
     struct Worker {
         Worker(const Sweep& sweep, const std::filesystem::path& folder)
             : starts(sweep, folder / "states"),

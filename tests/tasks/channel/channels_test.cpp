@@ -60,7 +60,7 @@ TEST(Channels, AllAreFiniteAndOfTheirWidthOnAFreeRing) {
     expect_finite(rig, false);
 }
 
-/// From an observer that has never seen the chain: whatever is of the chain would be zero.
+/// The observer has never read the chain: quantities of the chain would be zero.
 TEST(Channels, WithoutTheChainReadTheSameOfShaftsAlone) {
     claims::Rig rig(tiny_parameters());
     ASSERT_FALSE(rig.run({-10e-3, -9e-3, 5e-8, 1e-4}));

@@ -29,7 +29,7 @@ TEST(AutoStep, HoldsWhileLoadsRise) {
     }
 }
 
-/// After a short settling: the automatic step and the pin period [s].
+/// Automatic step and pin period after a short settling [s].
 struct StepAtSpeed {
     double step, pin_period;
 };
@@ -99,7 +99,7 @@ TEST(AutoStep, OfRigidPinsSpreadsItsEstimates) {
     EXPECT_GT(spread.evaluations(), 2 * 60) << "it has estimated more than once";
 }
 
-/// As fast a chain of halves: at 2 us losses were 1.6 % off.
+/// Losses of as fast a chain of halves were 1.6 % off at 2 us.
 TEST(AutoStep, OfHalvesTakesAHundredAndFiftyStepsPerPinOfAFastChain) {
     const StepAtSpeed fast = step_at("medium", "overdrive", {"drive.speed=5900 rpm"});
     EXPECT_LE(fast.step, fast.pin_period / 148.0) << "the chain has become a little slower or faster since";

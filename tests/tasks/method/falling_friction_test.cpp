@@ -18,7 +18,7 @@ double growth_of(const Simulation& simulation, const Scene& scene) {
     return falling.growth(simulation.time(), simulation.workspace().state(), simulation.workspace().tips.phases.data());
 }
 
-/// After a short settling: tips bear loads.
+/// Simulation after a short settling: tips bear loads.
 std::unique_ptr<const Simulation> loaded(const Scene& scene) {
     auto simulation = std::make_unique<Simulation>(scene);
     SilentObserver silent;

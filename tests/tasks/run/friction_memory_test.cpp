@@ -31,7 +31,7 @@ Scene falling_tiny(const std::vector<std::string>& more) {
     return scene;
 }
 
-/// Compares what the columns hold of every tip behind each step with its equation and its law.
+/// Compares the columns of every tip after each step with its equation and its law.
 class MemoryWatch final : public RunObserver {
 public:
     explicit MemoryWatch(const model::Parameters& parameters) : p_(parameters) {}

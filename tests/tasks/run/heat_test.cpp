@@ -11,7 +11,7 @@
 namespace cvtflow::tasks {
 namespace {
 
-/// So little heat capacity that a millisecond warms the machine by some kelvin.
+/// Scene with so little heat capacity that a millisecond warms the machine by some kelvin.
 Scene warming_scene(const std::string& law = "lubricated") {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
     const std::vector<std::string> settings{"start.settling_time=1 ms",      "start.ramp_time=0.5 ms",     "run.step=50 ns",

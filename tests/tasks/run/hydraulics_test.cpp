@@ -110,7 +110,7 @@ TEST_P(SimulationHydraulics, ContinueBitForBitFromAnIntegrationState) {
 INSTANTIATE_TEST_SUITE_P(Levels, SimulationHydraulics, testing::Values("rigid", "medium"),
                          [](const auto& instance) { return instance.param; });
 
-/// In mode pressure the tables are pressures, and controllers add to them.
+/// The tables of mode pressure are pressures, and controllers add to them.
 TEST(SimulationHydraulicsByPressure, PressuresAreThoseOfTheTables) {
     Simulation simulation(hydraulic_scene(
         "rigid", {"hydraulics.mode=pressure", "hydraulics.driving_pressure=[[0, 3e5], [1e-4, 4e5]]", "hydraulics.driven_pressure=5 bar"}));

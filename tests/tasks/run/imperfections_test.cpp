@@ -67,8 +67,8 @@ private:
 };
 
 struct Line {
-    double slope;        ///< of force over λ [N/m]
-    double correlation;  ///< of both
+    double slope;        ///< slope of force over λ [N/m]
+    double correlation;  ///< correlation of force and λ
 };
 Line regression(const std::vector<double>& x, const std::vector<double>& y) {
     const double n = static_cast<double>(x.size());
@@ -79,7 +79,7 @@ Line regression(const std::vector<double>& x, const std::vector<double>& y) {
     return {xy / xx, xy / std::sqrt(xx * yy)};
 }
 
-constexpr double turn = 58.3e-3;  ///< of the chain of `tiny`, about [s]
+constexpr double turn = 58.3e-3;  ///< turn of the chain of `tiny`, about [s]
 
 class UnequalPins : public testing::TestWithParam<std::string> {
 protected:

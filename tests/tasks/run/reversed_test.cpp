@@ -93,7 +93,7 @@ TEST_P(Reversed, HasTheMeansOfItsMirrorImage) { expect_mirrored(40e-3, 0.01); }
 INSTANTIATE_TEST_SUITE_P(Rigid, Reversed, testing::Values("rigid"));
 INSTANTIATE_TEST_SUITE_P(DeepHalves, Reversed, testing::Values("medium"));
 
-/// With the feedback of the other sense of rotation the force would run into its limit within 100 ms.
+/// The force would run into its limit within 100 ms with the feedback of the other sense of rotation.
 TEST(ReversedControl, HoldsTheRatio) {
     for (const char* gains : {"given", "found"}) {
         Scene scene = read_scene(find_scene("control"), StartState::ignored);

@@ -73,7 +73,7 @@ TEST(RunMeans, SayWhereClampingWasAboveItsLimit) {
     }
 }
 
-/// A ratio of 1.4 that control brings to 1.36, or to 1.39.
+/// A ratio of 1.4 that control changes to 1.36, or to 1.39.
 TEST(RunMeans, SayWhereControlMissesItsTarget) {
     for (const double ratio : {1.36, 1.39}) {
         const RunMeans means = means_over(1000, 1e-3, 1e-3, [&](int, model::Observation& now, EnergySums&) {

@@ -140,7 +140,7 @@ double shaft_angle(const Simulation& simulation, int shaft) {
 
 class ShaftDrag : public testing::TestWithParam<std::string> {};
 
-/// Constant torques from outside do T Δφ, of which drag takes its part and the variator gets the rest.
+/// Constant external torques do the work T Δφ, of which drag takes its part and the variator receives the rest.
 TEST_P(ShaftDrag, TakesWhatTheVariatorDoesNotGet) {
     Simulation simulation(dragged_scene(GetParam()));
     settle_and_go(simulation, 0.0);
@@ -165,7 +165,7 @@ TEST_P(ShaftDrag, TakesWhatTheVariatorDoesNotGet) {
     EXPECT_LT(after.outside_since(before).efficiency(), after.since(before).efficiency() - 0.02);
 }
 
-/// Impulses of drive and load are those from outside; the variator gets what drag leaves of them.
+/// Impulses of drive and load are external; the variator receives the rest after drag.
 TEST_P(ShaftDrag, LeavesTheImpulseFromOutsideAsItIs) {
     Simulation with(dragged_scene(GetParam())),
         without(dragged_scene(GetParam(), {"drag.driving_seals=0", "drag.driving_viscous=0", "drag.driven_seals=0",

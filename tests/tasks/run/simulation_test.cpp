@@ -189,7 +189,7 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
     }
 }
 
-/// From one controller to two and back: the first one's integral continues, the second's begins at zero.
+/// The number changes from one to two and back: the first controller's integral continues, the second's begins at zero.
 TEST(Simulation, TakesASavedStateWithAnotherNumberOfControllers) {
     for (const auto driven : {model::DrivenControl::none, model::DrivenControl::safety}) {
         Scene scene = tiny_scene();
@@ -324,7 +324,7 @@ TEST(Simulation, SettlesAnewWhereItsStateBelongsToAnotherMachine) {
     }
 }
 
-/// A workspace that another case has used: what a saved state lacks begins at zero, as in a new simulation.
+/// A workspace that another case has used: unknowns that a saved state lacks begin at zero, as in a new simulation.
 TEST(Simulation, BeginsControlAndLedgerAtZeroWhereTheSavedStateHasNone) {
     Scene scene = tiny_scene();
     Simulation plain(scene);
@@ -372,7 +372,7 @@ TEST(Simulation, WithFoundGainsHoldsTheRatioBySettlingOnce) {
     EXPECT_NEAR(clamping(), 25.1e3 + integral * built_up(), 0.02 * clamping());
 }
 
-/// Checkpoints pause a run every so often; what it had used of its budget is used.
+/// Checkpoints pause a run regularly; the used part of its budget stays used.
 TEST(WallBudget, PausesDoNotGiveTheBudgetOfWallTimeBack) {
     struct Pausing final : RunObserver {
         bool due = false;

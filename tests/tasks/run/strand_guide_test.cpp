@@ -20,7 +20,7 @@ Scene guided_scene(const std::string& name, const std::string& detail, const std
     return scene;
 }
 
-/// `tiny` with rails that press on its strands all the time, and take more than all other losses.
+/// The scene `tiny` with rails that press on its strands all the time, and take more than all other losses.
 Scene pressed_scene(const std::string& detail, const std::vector<std::string>& more = {}) {
     Scene scene = guided_scene("tiny", detail,
                                {"start.settling_time=3 ms", "start.ramp_time=1 ms", "run.method=auto", "guide.stiffness=1e6 N/m",
@@ -112,8 +112,8 @@ TEST(StrandGuides, AreCountedInTheStableStep) {
     }
 }
 
-/// At 1050 rpm the passing of the pins excites the tight strand of a lightly loaded chain. Rails too soft to matter only show how far it
-/// swings; others hold it within their play of 0.4 mm and what they yield.
+/// The passing of the pins excites the tight strand of a lightly loaded chain at 1050 rpm. Rails too soft to matter only show how far it
+/// swings; others hold it within their play of 0.4 mm and their deflection.
 TEST(StrandGuides, BoundAStrandAtResonance) {
     const auto swing = [](const std::string& stiffness) {
         Simulation simulation(

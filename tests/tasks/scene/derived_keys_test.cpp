@@ -28,7 +28,7 @@ std::string refused(Scene scene, const std::vector<std::string>& settings) {
     return "";
 }
 
-/// From 2000 rpm on the speed at which the ratio follows its force decides, 60/s: equation of section 8.
+/// The speed at which the ratio follows its force decides from 2000 rpm on, 60/s: equation of section 8.
 TEST(FoundGains, LetTheRatioFollowAsFastAtEverySpeedThatPermitsIt) {
     for (const double rpm : {2000.0, 4000.0, 20000.0}) {
         const double speed = rpm * std::acos(-1.0) / 30.0;
@@ -53,7 +53,7 @@ TEST(FoundGains, AreBoundedByTheStiffnessOfThePulleys) {
     }
 }
 
-/// At the speed 1/s with which the ratio then follows, an integral part as fast would leave 45° of phase: it is four times as slow.
+/// An integral part as fast as the ratio then follows, 1/s, would leave 45° of phase: it is four times as slow.
 TEST(FoundGains, KeepTheirPhaseMarginWhereTheLoopIsSlow) {
     for (const double speed : {1.0, 20.0, 100.0}) {
         const model::Control control = controlled_scene({"drive.speed=" + std::to_string(speed)}).parameters.control;

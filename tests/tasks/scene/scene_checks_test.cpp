@@ -89,8 +89,8 @@ TEST(CrossChecks, WithoutSettlingTheRampDoesNotMatter) {
 }
 
 struct IdleKey {
-    const char* setting;                  ///< no effect by itself
-    std::vector<std::string> enabled_by;  ///< with these settings it acts
+    const char* setting;                  ///< setting without effect by itself
+    std::vector<std::string> enabled_by;  ///< settings with which it acts
 };
 
 const IdleKey idle[] = {

@@ -22,7 +22,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// From a settled state of full chain and medium detail, with transitions.
+/// Scene with a settled state of full chain and medium detail, and transitions.
 Scene settled(const std::vector<std::string>& settings = {}) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/shift.toml");
     set_values(scene, std::vector<std::string>{"run.method=rk4", "run.step=50 ns", "run.until=60 us", "run.output_interval=20 us",

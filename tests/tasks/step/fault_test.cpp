@@ -1,4 +1,4 @@
-/// Runs that cannot continue report what, when and where.
+/// Runs that cannot continue report the fault, its time and its place.
 
 #include "tasks/step/fault.hpp"
 

@@ -60,7 +60,7 @@ Course undisturbed(const Scene& scene) {
     return {simulation.hash(), settling, simulation.counters(), observer.times, observer.transitions};
 }
 
-/// At every output the simulation is thrown away; another one continues from a checkpoint on disk.
+/// Throws the simulation away at every output; another one continues from a checkpoint on disk.
 Course from_file_to_file(const Scene& scene, int segments) {
     const std::string file = (std::filesystem::temp_directory_path() / ("cvtflow_checkpoint_" + std::to_string(getpid()) + ".h5")).string();
     Pauser observer(true);

@@ -66,7 +66,7 @@ TEST(OperatingPoints, OfASceneWithConstantInputsAreItsStart) {
     EXPECT_EQ(points[0].scene.run.until.value, 3e-3);
 }
 
-/// As a run does: else levels are compared from one settled state, and the run of the cheaper one settles to another.
+/// Points settle as a run does: else levels are compared from one settled state, and the run of the cheaper one settles to another.
 TEST(OperatingPoints, OfASceneWithoutAStateThatFitsSettleByThemselves) {
     Scene scene = test::settled_tiny();
     EXPECT_FALSE(points_of(scene, {}).front().settles);
@@ -135,7 +135,7 @@ model::Parameters tiny_with(model::PinDetail pins, int order) {
     return parameters;
 }
 
-/// Pins on a circle of 30 mm, and something of its own in every other coordinate and velocity.
+/// Pins on a circle of 30 mm, and different numbers in all other coordinates and velocities.
 engine::SavedState ring(const model::Parameters& parameters) {
     const ChainLayout at = model::layout_of(parameters);
     engine::SavedState saved;

@@ -50,7 +50,7 @@ TEST_F(TunedScenes, AreMeasuredOnceAndKeptByContent) {
     EXPECT_NE(tuning_key(scene, settings()), tuning_key(other, settings()));
 }
 
-/// As written: what a run of the same scene with the same detail, method and step computes, bit for bit.
+/// The written scene computes, bit for bit, the run of the same scene with the same detail, method and step.
 TEST_F(TunedScenes, BeginWithTheStartOfTheSceneAsWritten) {
     Scene scene = test::settled_tiny();
     TuneSettings any = settings();

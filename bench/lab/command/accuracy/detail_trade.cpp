@@ -169,7 +169,7 @@ void print(const std::string& scene, const std::vector<DetailOutcome>& outcomes)
     fmt::print("{}\n", brief.empty() ? "" : field("too short", brief));
 }
 
-/// Prints a table for every scene, differences from full detail; detail_SCENE.csv, .json, .svg if asked for. A failed variant is named on
+/// Prints a table for every scene, differences from full detail; detail_SCENE.csv, .json, .svg on request. A failed variant is named on
 /// stderr and makes the result incomplete.
 ExitStatus report_details(const DetailArguments& arguments, const OutputArguments& output) {
     OutputFolder folder(output);
@@ -357,7 +357,7 @@ std::string picture(const std::vector<Ladder>& ladders) {
     return svg(plot);
 }
 
-/// Prints a table for every operating point and one of all of them; ladder.csv, .json, .svg if asked for. A failed level is named on stderr
+/// Prints a table for every operating point and one of all of them; ladder.csv, .json, .svg on request. A failed level is named on stderr
 /// and makes the result incomplete.
 ExitStatus report_ladder(const DetailArguments& arguments, const OutputArguments& output) {
     std::vector<Ladder> ladders;

@@ -34,7 +34,7 @@ namespace {
 struct ErrorCurve {
     std::string method;
     std::string friction;            ///< "piecewise" or "smoothed"
-    std::vector<LocalError> errors;  ///< by descending step; NaN: a transition ended the step
+    std::vector<LocalError> errors;  ///< errors by descending step; NaN: a transition ended the step
 };
 
 constexpr std::array parts{&LocalError::positions, &LocalError::velocities, &LocalError::axial_force, &LocalError::tension};

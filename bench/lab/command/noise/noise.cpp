@@ -35,12 +35,12 @@ struct NoiseRow {
     bool random = false;         ///< shuffled, not searched
     PitchSequence sequence;      ///< [links]
     double expected = 0.0;       ///< tonality by the closed form [dB]
-    NoiseSpectrum rigid, check;  ///< at the level `rigid`, at the level of the check
+    NoiseSpectrum rigid, check;  ///< spectra at the level `rigid` and at the level of the check
 };
 
 struct NoiseResult {
-    std::string scene, level;  ///< of the check
-    double mean = 0.0;         ///< pitch [m]
+    std::string scene, level;  ///< scene, and level of detail of the check
+    double mean = 0.0;         ///< mean pitch [m]
     double spread = 0.0;       ///< [1]
     std::uint64_t seed = 0;
     std::vector<NoiseRow> rows;  ///< uniform, random ones, searched ones
@@ -197,7 +197,7 @@ struct NoiseArguments {
 /// The scenes of the search and of the check.
 struct NoiseScenes {
     tasks::Scene rigid, check;
-    std::string level;  ///< of the check
+    std::string level;  ///< level of detail of the check
 };
 
 NoiseScenes scenes_of(const NoiseArguments& arguments) {
@@ -211,7 +211,7 @@ NoiseScenes scenes_of(const NoiseArguments& arguments) {
     return scenes;
 }
 
-/// With the sequence's pitches. @throws UsageError if they do not fit the machine
+/// Scene with the sequence's pitches. @throws UsageError if they do not fit the machine
 tasks::Scene with_sequence(const tasks::Scene& scene, const NoiseRow& row, const NoiseResult& result) {
     tasks::Scene machine = scene;
     machine.state_file.clear();

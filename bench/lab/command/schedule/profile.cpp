@@ -43,14 +43,14 @@ struct WaitPolicy {
     std::string name;
     std::vector<std::string> executors;                            ///< executors that it affects
     std::vector<std::pair<std::string, std::string>> environment;  ///< set in the child; others of these names are unset
-    std::vector<std::string> options;                              ///< of `cvtflow-lab profile`
+    std::vector<std::string> options;                              ///< options of `cvtflow-lab profile`
 };
 
 /// Measurements of a child process.
 struct PolicyResult {
     std::string name;
-    std::string csv_rows;         ///< without a heading
-    nlohmann::ordered_json json;  ///< its whole profile
+    std::string csv_rows;         ///< rows without a heading
+    nlohmann::ordered_json json;  ///< whole profile of the child
 };
 
 using Environment = std::vector<std::pair<std::string, std::string>>;
@@ -153,8 +153,8 @@ std::vector<WaitPolicy> wait_policies() {
 }
 
 /// Runs `cvtflow words…` once per policy, with the fused schedules that it concerns.
-/// @param words "profile" and what to measure, without schedules and files   @param names schedules that the user named, of which to take;
-/// none: all
+/// @param words "profile" and the measurement's options, without schedules and files   @param names schedules of the user, of which the
+/// policy's are taken; none: all
 /// @param progress called with one line before every child
 /// @throws std::runtime_error if a child fails, with its message
 std::vector<PolicyResult> measure_policies(const std::vector<std::string>& words, const std::vector<std::string>& names,
@@ -296,7 +296,7 @@ std::string write_folder(const ProfileArguments& arguments, const tasks::Scene& 
     return folder.written();
 }
 
-/// @return what -o has written
+/// @return written() of the folder of -o
 std::string write_files(const ProfileArguments& arguments, const tasks::Scene& scene, const MeasureOptions& options, const Profile& result,
                         const std::vector<PolicyResult>& policies) {
     std::string rows;

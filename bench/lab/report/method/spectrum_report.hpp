@@ -26,15 +26,15 @@ struct SpectrumResult {
     double tight = 0.0, slack = 0.0;  ///< mean tension of the strands [N]
     int unknowns = 0;
     bench::Eigenvalues values;                      ///< all, or those at the edge
-    bool complete = true;                           ///< all
-    int dimension = 0;                              ///< of the Krylov space, if not complete
-    double residual = 0.0;                          ///< largest relative one, if not complete
-    std::string method;                             ///< of the scene
-    double step = 0.0;                              ///< of the scene [s]
+    bool complete = true;                           ///< whether these are all
+    int dimension = 0;                              ///< dimension of the Krylov space, if not complete
+    double residual = 0.0;                          ///< largest relative residual, if not complete
+    std::string method;                             ///< method of the scene
+    double step = 0.0;                              ///< step of the scene [s]
     std::optional<PlanLimit> limit;                 ///< absent: the method is no table of stages
-    std::optional<bench::StepLimit> program_limit;  ///< predicted only; absent: it is one
+    std::optional<bench::StepLimit> program_limit;  ///< predicted limit; absent: the method is a table of stages
     std::optional<Attribution> attribution;
-    double border = -1e6;  ///< of the attribution [1/s]
+    double border = -1e6;  ///< border of the attribution [1/s]
 };
 
 [[nodiscard]] std::string spectrum_text(const SpectrumResult& result);

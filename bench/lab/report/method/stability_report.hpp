@@ -31,9 +31,9 @@ struct ProgramResult {
     double first = 0.0, second = 0.0;  ///< oscillator: h ω without friction, h c at rest; linear: reach along the real, the imaginary axis
     bench::FrictionLimit any{};        ///< oscillator only: for every friction
     double ray_1 = 0.0, ray_5 = 0.0;   ///< linear only: along rays of damping ratio 1 % and 5 %
-    bench::StageFigures worst;         ///< over all decays that the method takes
-    std::optional<ProgramLimit> limit;  ///< on a scene
-    double step = 0.0;                  ///< of the scene's point on the map; 0: the longest stable one [s]
+    bench::StageFigures worst;         ///< figures over all decays that the method takes
+    std::optional<ProgramLimit> limit;  ///< limit on a scene
+    double step = 0.0;                  ///< step of the scene's point on the map; 0: the longest stable one [s]
 
     [[nodiscard]] bool oscillator() const noexcept { return stability.equation == bench::TestEquation::oscillator; }
 };
@@ -58,9 +58,9 @@ struct ProgramResult {
 struct StabilityResult {
     engine::StagePlan plan;
     double real = 0.0, imaginary = 0.0;  ///< reach along the axes
-    double ray_1 = 0.0, ray_5 = 0.0;     ///< along rays of damping ratio 1 % and 5 %
-    std::optional<PlanLimit> limit;      ///< only with a scene
-    double growth = 0.0, gain = 0.0;     ///< of stages and of their errors over the scene's decays at the limit; only with a scene
+    double ray_1 = 0.0, ray_5 = 0.0;     ///< reach along rays of damping ratio 1 % and 5 %
+    std::optional<PlanLimit> limit;      ///< limit on a scene, if any
+    double growth = 0.0, gain = 0.0;     ///< growth of stages and of their errors over the scene's decays at the limit; only with a scene
 };
 
 /// Reaches, and over [-length, 0] nothing yet.

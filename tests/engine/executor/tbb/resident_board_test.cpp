@@ -150,7 +150,7 @@ namespace {
 using test::mixed_cycles;
 using test::World;
 
-/// The board with std::jthreads for workers, which ThreadSanitizer sees through.
+/// The board with std::jthreads for workers, which ThreadSanitizer can check.
 class BoardExecutor final : public RunningExecutor {
 public:
     BoardExecutor(int threads, int comers) : RunningExecutor({.threads = threads}), comers_(comers) {}
@@ -205,7 +205,7 @@ using test::Interleavings;
 using test::layers;
 using test::Sabotage;
 
-/// Small cases in every interleaving, on a machine of the test's own.
+/// Small cases in every interleaving, on the test's machine.
 class EveryInterleaving : public testing::Test {
 protected:
     void SetUp() override {

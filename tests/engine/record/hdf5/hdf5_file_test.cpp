@@ -93,7 +93,7 @@ std::string result(const std::function<void()>& inspection) {
     return "survived";
 }
 
-/// In a child, since trials cannot be disabled again. @return results of all inspections, in one line
+/// Runs the inspections in a child, since trials cannot be disabled again. @return all results in one line
 std::string results(const std::string& file, const std::vector<std::function<void()>>& inspections, bool second_thread = false) {
     EXPECT_EQ(wait_for(start_child([&] {
                   try_files_first();
@@ -121,7 +121,7 @@ TEST_F(Hdf5TrialTest, ReportsTheEndOfTheChild) {
     EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(990));  // of processor time
 }
 
-/// As on a network drive, or after a laptop was suspended: longer on the clock than the second of processor time that an inspection has.
+/// Storage on a network drive, or after a suspension, takes longer than an inspection's second of processor time.
 TEST_F(Hdf5TrialTest, WaitsForStorageThatStalls) {
     EXPECT_EQ(results(path("out"), {[] { usleep(1'200'000); }}), "survived; ");
 }

@@ -51,7 +51,7 @@ TEST(Stability, ReachAlongARayOfDampingRatioFivePercent) {
     EXPECT_NEAR(stability_reach(engine::test::dumka3_degree_6(), ray, 1e-9), 3.065, 2e-3);
 }
 
-/// By hand for two half Euler steps at h λ = -4: Y = y, -y; an error of the second stage is multiplied by 1 + z/2 = -1.
+/// Two half Euler steps at h λ = -4: Y = y, -y; an error of the second stage is multiplied by 1 + z/2 = -1.
 TEST(Stability, GrowthAndGainOfChainedSteps) {
     EXPECT_NEAR(stage_growth(engine::test::two_half_euler_steps(), 4.0), 1.0, 1e-14);
     EXPECT_NEAR(perturbation_gain(engine::test::two_half_euler_steps(), 4.0), 1.0, 1e-14);

@@ -36,7 +36,7 @@ TEST(Fitted, NeedsAsFewStagesAsKnown) {
     }
 }
 
-/// On grids much finer than the points of the fit.
+/// The grids are much finer than the points of the fit.
 TEST(Fitted, IsStableWhereItWasAskedTo) {
     for (const double h : {1.0, 2.0, 3.0, 4.0}) {
         const StagePlan plan = fit(region(100.0 * h, h))->plan;
@@ -173,7 +173,7 @@ TEST(NearOptimal, OfOrderFourIsStableOnItsIntervalOfThirtyFiveHundredthsDegreeSq
     }
 }
 
-/// With an embedded method of order 3. Both hold for problems that are not autonomous, too: times of stages are the sums of their rows.
+/// The embedded method has order 3. Both hold for problems that are not autonomous, too: times of stages are the sums of their rows.
 TEST(NearOptimal, Rock4IsOfOrderFourToTheLastDigitsForAnyNumberOfStages) {
     for (int stages = min_rock4_stages; stages <= max_rock4_stages; ++stages) {
         const StagePlan plan = rock4(stages);

@@ -9,7 +9,7 @@
 namespace cvtflow::bench {
 namespace {
 
-/// A random matrix of the structure, near the identity, in both forms. Blocks of an odd number see no border.
+/// A random matrix of the structure, near the identity, in both forms. Blocks of an odd number have no border.
 struct BorderedSystem {
     int blocks, size, border;
     Eigen::MatrixXd dense;

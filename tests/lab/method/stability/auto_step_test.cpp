@@ -19,7 +19,7 @@ namespace {
 /// Shares of oscillation and damping add up, which gives away half where both are of other motions; and the step has its margin.
 constexpr double given_away = 2.0 / AutoStep::margin;
 
-/// Without regard to damping, disturbances grew by 0.14 to 9 a step. Slower growth belongs to frequencies that a step changes.
+/// Disturbances grew by 0.14 to 9 a step without regard to damping. Slower growth belongs to frequencies that a step changes.
 constexpr double noticeable_growth = 1e-2;
 
 TEST(AutoStepOnMachines, IsStableAndNotNeedlesslyShort) {

@@ -1,4 +1,4 @@
-/// At every edge the program gives a right answer or states why not. The rows with their allowed endings are
+/// The program gives a right answer at every edge or states why not. The rows with their allowed endings are
 /// bench/study/extremes/*_rows.cpp.
 
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ TEST(Extremes, HaveNamesOfTheirOwn) {
     EXPECT_GT(names.size(), 200u);
 }
 
-/// Short steps of the cheapest method: what grows with their number is seen.
+/// Short steps of the cheapest method show errors that grow with their number.
 void run_long(long steps) {
     Scene scene = tiny();
     const double step = 1e-9;

@@ -47,7 +47,7 @@ TEST(IdealShare, TakesWholeTasks) {
     EXPECT_DOUBLE_EQ(ideal_share(7, 1), 1.0);
 }
 
-/// With an overhead o per task the efficiency of tasks of length l is l/(l + o): half at l = o.
+/// Tasks of length l with an overhead o each have the efficiency l/(l + o): half at l = o.
 TEST(EffectiveGranularity, IsTheOverheadOfATask) {
     constexpr double overhead = 3e-6;
     std::vector<GranularityPoint> curve;
@@ -90,8 +90,8 @@ TEST(Granularity, MeasuresEveryExecutorOnEveryNumberAndLength) {
     EXPECT_GT(result.calibrated, 0.0);
 }
 
-/// On a processor that is ours a task takes its length; neighbours and slower clocks only make it longer. A calibration whose work had been
-/// left out made tasks a thousand times too long.
+/// A task takes its length on an idle processor; neighbours and slower clocks only make it longer. A calibration whose work had been left
+/// out made tasks a thousand times too long.
 TEST(Granularity, TasksAreAsLongAsTheyAreSaidToBe) {
     GranularityOptions options;
     options.executors = {"serial"};

@@ -14,7 +14,7 @@ namespace cvtflow::bench {
 using namespace tasks;
 namespace {
 
-/// Three segments of the scene tiny with a method's own tasks.
+/// Three segments of the scene tiny with tasks of a method.
 class GraphOf {
 public:
     GraphOf(const Scene& scene, const std::string& method, const AssemblyOptions& options)

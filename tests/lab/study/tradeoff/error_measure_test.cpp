@@ -28,7 +28,7 @@ Trajectory two_outputs(double tension) {
     return trajectory;
 }
 
-/// By hand: differences (1, 0) of (1, 2): 1/sqrt(5) over all, 1 at the first output.
+/// Differences are (1, 0) of (1, 2): 1/sqrt(5) over all, 1 at the first output.
 TEST(ErrorMeasureCompare, ErrorsAreRelativeOverAllOutputsAndAtTheWorst) {
     const ErrorReport report = compare(two_outputs(2.0), two_outputs(1.0));
     EXPECT_DOUBLE_EQ(report.overall.tension, 1.0 / std::sqrt(5.0));

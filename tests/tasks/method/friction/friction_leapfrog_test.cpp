@@ -38,7 +38,7 @@ std::vector<Schedule> other_schedules() {
     return all;
 }
 
-/// With stick and slip, tips that have never touched lie in every lane beside those that stick or slip.
+/// Tips that have never touched share every lane with those that stick or slip, if these phases exist.
 TEST(FrictionLeapfrog, GivesTheSameBitsForEverySchedule) {
     for (const std::string& method : leapfrogs()) {
         for (const std::string stick_slip : {"false", "true"}) {

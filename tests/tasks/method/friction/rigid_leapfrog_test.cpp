@@ -164,7 +164,7 @@ TEST(RigidLeapfrog, ConvergesToTheSolutionOfItsForces) {
     }
 }
 
-/// Machines that differ in what the step has to do.
+/// Machines with different work for the step.
 std::vector<oracle::Case> stepped_machines() {
     const Parameters base = oracle::with_rigid_pins({});
     std::vector<oracle::Case> cases{{"baseline", base},
@@ -370,7 +370,7 @@ TEST(RigidLeapfrog, StepsOfDifferentLengthsEndWhereEqualOnesDo) {
 
 const engine::Cancellation never_cancelled;
 
-/// At 2 us: the jolt of so small a machine is not resolved by 5 us.
+/// The scene `tiny` with rigid pins at 2 us: 5 us do not resolve the jolt of so small a machine.
 Scene rigid_tiny(const std::vector<std::string>& settings = {}) {
     Scene scene = ready_tiny();
     apply_detail(scene, "rigid");
@@ -428,7 +428,7 @@ TEST(RigidRuns, FinishesWhatScenesHaveWithAClosedBalance) {
     }
 }
 
-/// The ledger of the state is what the energy watch counts: both add up what each step has done.
+/// The ledger of the state equals the sums of the energy watch: both add up each step.
 TEST(RigidRuns, WritesItsLossesIntoTheLedger) {
     Scene scene = rigid_tiny();
     scene.parameters.ledger = true;
@@ -480,7 +480,7 @@ TEST(RigidRuns, AllocatesNothingBetweenTheStartAndTheEndOfARun) {
     EXPECT_EQ(counter.before, counter.after);
 }
 
-/// On one thread whatever the scene leaves open; cut into segments it cannot be.
+/// The step runs on one thread if the scene leaves it open; it cannot be cut into segments.
 TEST(RigidRuns, IsOneSegment) {
     Schedule two;
     two.executor = "flow";
