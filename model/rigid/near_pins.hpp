@@ -34,13 +34,13 @@ struct PulleyBounds {
 };
 
 /// Sixteen pins and the nearness of their tips to a sheave.
-class PinNearness : private PinBlocks<rigid_singles> {
+class PinNearness {
     static constexpr int W = rigid_singles;
     using V = Lanes<W>;
     using PlaneV = PlaneOf<W>;
 
 public:
-    using PinBlocks<W>::PinBlocks;
+    PinNearness(RigidColumns& columns, const PinBlocks<W>::Blocks& blocks) noexcept : pins_(columns, blocks) {}
 
     /// Upper bound of the depth of each pin's tips [m]: the sphere nearest to the axis against the flank nearest to the pin.
     [[nodiscard, gnu::always_inline]] DoublesOf<W> bound(const RigidCoefficients& c, const PulleyBounds (&pulleys)[2]) const noexcept {
@@ -55,8 +55,8 @@ public:
         const PlaneV front = arm + apart + V(c.outward) * outward(-1), rear = arm - apart + V(c.outward) * outward(0);
         const V radius = sqrt(smaller<W>(dot(front, front), dot(rear, rear))), tilt = of(&PulleyBounds::tilt);
         const V rise =
-            V(c.outward / c.half_length) * (size(end) + V(c.bend_slope) * size(bend)) + V(0.5) * abs(convert<W>(read_pins(Column::slide)));
-        const V z = convert<W>(read_pins(Column::z)), low = z - of(&PulleyBounds::low), high = of(&PulleyBounds::high) - z;
+            V(c.outward / c.half_length) * (size(end) + V(c.bend_slope) * size(bend)) + V(0.5) * abs(convert<W>(pins_.read(Column::slide)));
+        const V z = convert<W>(pins_.read(Column::z)), low = z - of(&PulleyBounds::low), high = of(&PulleyBounds::high) - z;
         const V beside = V(c.lever) * size(end) + of(&PulleyBounds::apart), off = larger<W>(abs(low), abs(high)) + V(c.radius * c.cosine);
         const V a = radius - beside - tilt * (off + rise) - V(c.touching_radius);
         const V h = smaller<W>(low, high) - rise - tilt * (radius + beside);
@@ -65,12 +65,14 @@ public:
 
 private:
     [[nodiscard, gnu::always_inline]] PlaneV read_rounded(Column first, int offset = 0) const noexcept {
-        return convert<W>(read_plane_of(first, offset));
+        return convert<W>(pins_.plane(first, offset));
     }
     [[nodiscard, gnu::always_inline]] PlaneV outward(int line) const noexcept {
         const PlaneV t = read_rounded(Column::line_x, line);
         return {t.y, -t.x};
     }
+
+    PinBlocks<W> pins_;
 };
 
 /// Sets `near` > 0 for pins that may touch: in a step those that pressed in the last one, and those that are not certainly free.

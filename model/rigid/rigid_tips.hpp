@@ -21,25 +21,19 @@ struct TipAccount {
 
 /// Tips of a block of pins: in floats for the steps of a leapfrog, in doubles for velocities as they are.
 template <int W>
-class TipGroup : private RigidTipMotion<W> {
+class TipGroup {
     using V = Lanes<W>;
     using D = DoublesOf<W>;
     using PlaneV = PlaneOf<W>;
-    using PlaneD = DoublePlaneOf<W>;
-    using Base = RigidTipMotion<W>;
-    using Base::at_, Base::c_, Base::driven_, Base::half_, Base::kick_, Base::n_, Base::rate_, Base::second_, Base::side_, Base::side_of;
-    using Base::blocks, Base::columns_, Base::lanes, Base::own_, Base::over_blocks, Base::piece, Base::read_pins, Base::read_plane_of,
-        Base::view_, Base::write_pins;
     static constexpr bool implicit = is_single<W>;
 
 public:
-    using typename Base::Blocks;
-
-    using Base::Base;
+    [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
+                                    const RigidKick& kick, RigidColumns& columns, const PinBlocks<W>::Blocks& blocks) noexcept
+        : c_(c), n_(numbers), kick_(kick), pins_(columns, blocks), motion_(c, numbers, sheaves, kick, pins_) {}
 
     [[gnu::always_inline]] void place() noexcept {
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip)
-            place_tip<W>(c_, n_, half_[half_of_tip(tip)], side_[end_of_tip(tip)], tips_[tip]);
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) place_tip<W>(c_, n_, motion_.half(tip), motion_.side(tip), tips_[tip]);
     }
 
     [[nodiscard]] bool free() const noexcept {
@@ -53,38 +47,38 @@ public:
 
     [[nodiscard]] D depth(std::size_t tip) const noexcept { return widened<W>(tips_[tip].depth); }
     void show_depths() noexcept {
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) write_pins(Column::tip_depth + static_cast<int>(tip), depth(tip));
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) pins_.write(Column::tip_depth + static_cast<int>(tip), depth(tip));
     }
 
     void release() noexcept {
-        for (const PinBlock& block : own_) {
-            columns_.clear(Column::tip_stiffness_front, Column::tip_moment_rear, block.first, rigid_lanes);
-            columns_.clear(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), block.first, rigid_lanes);
-        }
+        pins_.over_blocks([&](auto block) {
+            pins_.columns().clear(Column::tip_stiffness_front, Column::tip_moment_rear, pins_[block].first, rigid_lanes);
+            pins_.columns().clear(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), pins_[block].first, rigid_lanes);
+        });
     }
 
     [[gnu::always_inline]] void press(const SheaveMotion* sheaves, TipAccount<W>& account) noexcept {
-        Base::read_rates(sheaves);
+        motion_.read_rates(sheaves);
         V stored(0.0), damped(0.0), shortened(0.0);
         AxialResponse<W> response[2];
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const HalfMotion<W>& half = half_[half_of_tip(tip)];
-            const SideMotion<W>& side = side_[end_of_tip(tip)];
+            const HalfMotion<W>& half = motion_.half(tip);
+            const SideMotion<W>& side = motion_.side(tip);
             const V rate = depth_rate<W>(half, side, tips_[tip], V(-0.5 * kick_.step));
             RigidNormalForce<W>& n = normal_[tip] = rigid_normal_force<W>(n_, tips_[tip].depth, rate);
             const V shortening = n.shortening * rate;
             begin_[tip] = tip_slip<W>(n_, half, side, tips_[tip], shortening);
             shortened += shortening;
             response[half_of_tip(tip)].add(tips_[tip], n, rate);
-            write_pins(Column::tip_normal + static_cast<int>(tip), widened<W>(n.force));
+            pins_.write(Column::tip_normal + static_cast<int>(tip), widened<W>(n.force));
             stored += n.energy;
             damped += damping_power(Column::tip_damping_force + static_cast<int>(tip), n.force - n.elastic, rate);
         }
-        write_pins(Column::lengthening, widened<W>(V(-0.25) * shortened));
+        pins_.write(Column::lengthening, widened<W>(V(-0.25) * shortened));
         store(response);
-        const auto pull = [&](Column spread) { return V(0.25 * c_.plate_reach) * convert<W>(read_pins(spread) - read_pins(spread, -1)); };
+        const auto pull = [&](Column spread) { return V(0.25 * c_.plate_reach) * convert<W>(pins_.read(spread) - pins_.read(spread, -1)); };
         pull_ = pull(Column::plate_friction_moment);
-        const V here = Base::present();
+        const V here = pins_.present();
         account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(Column::plate_friction_moment_before)) : pull_) * shortened);
         account.energy += here * stored;
         account.damping += here * damped;
@@ -95,17 +89,17 @@ public:
         if (!implicit) return;
         RigidTipForces<W> total;
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const RigidTipForce<W> force = rigid_tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, memory(tip));
-            total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
+            const RigidTipForce<W> force = rigid_tip_force<W>(motion_.side(tip).side, tips_[tip], normal_[tip], pull_, memory(tip));
+            total.add(n_, motion_.side(tip).side, motion_.half(tip), half_of_tip(tip), force);
         }
-        velocity_change_ = n_.per_mass * (convert<W>(read_plane_of(Column::force_x)) + total.half[0] + total.half[1]);
-        end_velocity_change_ = n_.per_tilt * (convert<W>(read_plane_of(Column::force_p)) + total.end);
-        bend_velocity_change_ = n_.per_bend * (convert<W>(read_plane_of(Column::force_bend_x)) + total.bend);
-        const D front = read_pins(Column::plate_friction, -1), rear = read_pins(Column::plate_friction),
-                tips = read_pins(Column::tip_force_slide_expected);
-        const D free = read_pins(Column::force_slide) + tips - D(0.5) * (rear + front) - read_pins(Column::joint_friction);
-        free_share_ = convert<W>(D(1.0) - read_pins(Column::joint_coupling));
-        const V mean = n_.per_mass * (convert<W>(read_pins(Column::force_z) + (rear - front)) + (total.z[0] + total.z[1]));
+        velocity_change_ = n_.per_mass * (convert<W>(pins_.plane(Column::force_x)) + total.half[0] + total.half[1]);
+        end_velocity_change_ = n_.per_tilt * (convert<W>(pins_.plane(Column::force_p)) + total.end);
+        bend_velocity_change_ = n_.per_bend * (convert<W>(pins_.plane(Column::force_bend_x)) + total.bend);
+        const D front = pins_.read(Column::plate_friction, -1), rear = pins_.read(Column::plate_friction),
+                tips = pins_.read(Column::tip_force_slide_expected);
+        const D free = pins_.read(Column::force_slide) + tips - D(0.5) * (rear + front) - pins_.read(Column::joint_friction);
+        free_share_ = convert<W>(D(1.0) - pins_.read(Column::joint_coupling));
+        const V mean = n_.per_mass * (convert<W>(pins_.read(Column::force_z) + (rear - front)) + (total.z[0] + total.z[1]));
         const V apart = n_.per_half_mass * (convert<W>(free) + free_share_ * (V(0.5) * (total.z[0] - total.z[1]) - convert<W>(tips)));
         velocity_change_z_[0] = mean + apart, velocity_change_z_[1] = mean - apart;
     }
@@ -116,42 +110,43 @@ public:
         V rubbed(0.0);
         for (auto& forces : on_side) forces.fill(V(0.0));
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const RigidTipForce<W> force = rigid_tip_force<W>(side_of(tip), tips_[tip], normal_[tip], pull_, friction(tip, rubbed));
-            total.add(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), force);
-            total.add_moment(n_, side_of(tip), half_[half_of_tip(tip)], half_of_tip(tip), tips_[tip], force);
+            const RigidTipForce<W> force =
+                rigid_tip_force<W>(motion_.side(tip).side, tips_[tip], normal_[tip], pull_, friction(tip, rubbed));
+            total.add(n_, motion_.side(tip).side, motion_.half(tip), half_of_tip(tip), force);
+            total.add_moment(n_, motion_.side(tip).side, motion_.half(tip), half_of_tip(tip), tips_[tip], force);
             add_on_sheave<W>(tips_[tip], force, on_side[end_of_tip(tip)]);
             show(static_cast<int>(tip), force);
         }
-        const V here = Base::present();
+        const V here = pins_.present();
         account.friction += here * rubbed;
-        reaction.subtract(driven_, here, on_side);
+        reaction.subtract(motion_.driven(), here, on_side);
         store(total);
     }
 
 private:
     /// drag_power() in the width W.
     [[nodiscard, gnu::always_inline]] V damping_power(Column c, const V& force, const V& rate) noexcept {
-        const V acting = implicit ? 0.5 * (force + convert<W>(read_pins(c))) : force;
-        write_pins(c, widened<W>(force));
+        const V acting = implicit ? 0.5 * (force + convert<W>(pins_.read(c))) : force;
+        pins_.write(c, widened<W>(force));
         return acting * rate;
     }
 
     [[gnu::always_inline]] void show(int tip, const RigidTipForce<W>& f) noexcept {
         const TipPlace<W>& place = tips_[static_cast<std::size_t>(tip)];
-        write_pins(Column::tip_radius + tip, widened<W>(sqrt(dot(place.point, place.point))));
-        write_pins(Column::sheave_outward + tip, widened<W>(-(dot(f.push, place.radial) + dot(f.friction, place.radial))));
-        write_pins(Column::sheave_axial + tip, widened<W>(-(f.push_z + f.friction_z)));
+        pins_.write(Column::tip_radius + tip, widened<W>(sqrt(dot(place.point, place.point))));
+        pins_.write(Column::sheave_outward + tip, widened<W>(-(dot(f.push, place.radial) + dot(f.friction, place.radial))));
+        pins_.write(Column::sheave_axial + tip, widened<W>(-(f.push_z + f.friction_z)));
     }
 
     /// Friction of the last step.
     [[nodiscard]] RigidSlip<W> memory(std::size_t tip) const noexcept {
         const int number = static_cast<int>(tip);
-        return {convert<W>(read_pins(Column::tip_tangential + number)), convert<W>(read_pins(Column::tip_radial + number))};
+        return {convert<W>(pins_.read(Column::tip_tangential + number)), convert<W>(pins_.read(Column::tip_radial + number))};
     }
 
     /// Sliding velocity after the change of the velocities: the pin has moved by half a step as well.
     [[nodiscard]] RigidSlip<W> slip_now(std::size_t tip) const noexcept {
-        const SideMotion<W>& side = side_[end_of_tip(tip)];
+        const SideMotion<W>& side = motion_.side(tip);
         const PlaneV ends = velocity_change_ + bend_velocity_change_ + (V(side.side) * end_velocity_change_ - side.moved_on);
         const PlaneV change = ends - side.turned_by * turned(velocity_change_);
         return begin_[tip] + slip_of<W>(side.side, tips_[tip], change, velocity_change_z_[half_of_tip(tip)]);
@@ -167,9 +162,9 @@ private:
         const RigidSlip<W> force = (-factor) * free;
         const RigidSlip<W> mean = implicit ? V(0.5) * (free + n_.response * force + begin_[tip]) : free;
         lost += -(force.tangential * mean.tangential + force.radial * mean.radial);
-        write_pins(Column::tip_tangential + static_cast<int>(tip), widened<W>(force.tangential));
-        write_pins(Column::tip_radial + static_cast<int>(tip), widened<W>(force.radial));
-        write_pins(Column::tip_grip + static_cast<int>(tip), widened<W>(implicit ? factor / (1.0 - n_.response * factor) : factor));
+        pins_.write(Column::tip_tangential + static_cast<int>(tip), widened<W>(force.tangential));
+        pins_.write(Column::tip_radial + static_cast<int>(tip), widened<W>(force.radial));
+        pins_.write(Column::tip_grip + static_cast<int>(tip), widened<W>(implicit ? factor / (1.0 - n_.response * factor) : factor));
         if (implicit) follow(tip, force - old);
         return force;
     }
@@ -194,10 +189,10 @@ private:
         if (implicit) {
             const V rubbed = abs(old.tangential) + abs(old.radial);
             const V follows =
-                remembered_speed<W>(*c_.tip_law, c_.tip_friction.saturation_speed, kick_.step, convert<W>(read_pins(column)), speed);
+                remembered_speed<W>(*c_.tip_law, c_.tip_friction.saturation_speed, kick_.step, convert<W>(pins_.read(column)), speed);
             remembered = select_greater<W>(rubbed, V(0.0), follows, speed);
         }
-        write_pins(column, widened<W>(remembered));
+        pins_.write(column, widened<W>(remembered));
         return remembered;
     }
 
@@ -206,34 +201,38 @@ private:
         const TipPlace<W>& place = tips_[tip];
         const PlaneV f = change.tangential * turned(place.radial) + (change.radial * place.in) * place.radial;
         velocity_change_ = velocity_change_ + n_.per_mass * f;
-        end_velocity_change_ = end_velocity_change_ + (V(side_of(tip)) * n_.per_tilt) * f;
+        end_velocity_change_ = end_velocity_change_ + (V(motion_.side(tip).side) * n_.per_tilt) * f;
         bend_velocity_change_ = bend_velocity_change_ + n_.per_bend * f;
-        const V along = (V(side_of(tip)) * n_.per_mass) * (change.radial * place.out), apart = free_share_ * along;
+        const V along = (V(motion_.side(tip).side) * n_.per_mass) * (change.radial * place.out), apart = free_share_ * along;
         velocity_change_z_[half_of_tip(tip)] += along + apart;
         velocity_change_z_[1 - half_of_tip(tip)] += along - apart;
     }
 
     [[gnu::always_inline]] void store(const AxialResponse<W> (&of_half)[2]) noexcept {
         for (int k = 0; k < 2; ++k) {
-            const V speed = convert<W>(rate_.z) + half_[k].ahead;
-            write_pins(Column::tip_stiffness_front + k, widened<W>(n_.stiffness * of_half[k].stiffness));
-            write_pins(Column::tip_loading_front + k, widened<W>(n_.stiffness * of_half[k].loading_at_rest(speed)));
+            pins_.write(Column::tip_stiffness_front + k, widened<W>(n_.stiffness * of_half[k].stiffness));
+            pins_.write(Column::tip_loading_front + k, widened<W>(n_.stiffness * of_half[k].loading_at_rest(motion_.velocity_z(k))));
         }
     }
     [[gnu::always_inline]] void store(const RigidTipForces<W>& total) noexcept {
         const PlaneV opening = V(0.5) * (total.half[0] - total.half[1]), sum = total.half[0] + total.half[1];
-        over_blocks([&](auto block) {
-            const int first = own_[static_cast<std::size_t>(block)].first;
-            const Plane parting{piece(widened<W>(opening.x), block), piece(widened<W>(opening.y), block)};
-            write_plane(view_, Column::tip_offset_moment_x, first, read_rolling(view_, first) * parting);
+        pins_.over_blocks([&](auto block) {
+            const int first = pins_[block].first;
+            const Plane parting{pins_.piece(widened<W>(opening.x), block), pins_.piece(widened<W>(opening.y), block)};
+            write_plane(pins_.view(), Column::tip_offset_moment_x, first, read_rolling(pins_.view(), first) * parting);
         });
         const V numbers[] = {total.moment[0], total.moment[1]}, forces[] = {sum.x,        sum.y,       total.z[0] + total.z[1],
                                                                             total.end.x,  total.end.y, V(0.5) * (total.z[0] - total.z[1]),
                                                                             total.bend.x, total.bend.y};
-        for (int k = 0; k < 2; ++k) write_pins(Column::tip_moment_front + k, widened<W>(numbers[k]));
-        for (int k = 0; k < rigid_coordinates; ++k) write_pins(Column::tip_force_x + k, widened<W>(forces[k]));
+        for (int k = 0; k < 2; ++k) pins_.write(Column::tip_moment_front + k, widened<W>(numbers[k]));
+        for (int k = 0; k < rigid_coordinates; ++k) pins_.write(Column::tip_force_x + k, widened<W>(forces[k]));
     }
 
+    const RigidCoefficients& c_;
+    const TipNumbers<W>& n_;
+    const RigidKick& kick_;
+    PinBlocks<W> pins_;
+    RigidTipMotion<W> motion_;
     PlaneV velocity_change_, end_velocity_change_, bend_velocity_change_;  ///< changes in this step [m/s]
     V velocity_change_z_[2], free_share_;  ///< changes of both halves; share of a parting force that friction between the halves leaves
     TipPlace<W> tips_[rigid_tips];
@@ -249,7 +248,7 @@ public:
     TipSums(const RigidCoefficients& c, const RigidKick& kick) noexcept : numbers_(c, kick) {}
 
     [[gnu::noinline]] void add(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                               const typename TipGroup<W>::Blocks& blocks) noexcept {
+                               const typename PinBlocks<W>::Blocks& blocks) noexcept {
         TipGroup<W> group(c, numbers_, sheaves, kick, columns, blocks);
         group.place();
         group.bound(bounds_);

@@ -34,29 +34,32 @@ class PinBlocks {
 public:
     using D = DoublesOf<W>;
     using PlaneD = DoublePlaneOf<W>;
-    static constexpr int lanes = lane_count<W>, blocks = lanes / rigid_lanes;
-    using Blocks = std::array<PinBlock, blocks>;
+    static constexpr int lanes = lane_count<W>, count = lanes / rigid_lanes;
+    using Blocks = std::array<PinBlock, count>;
 
-    PinBlocks(RigidColumns& columns, const Blocks& own) noexcept : columns_(columns), view_(columns), own_(own) {}
+    PinBlocks(RigidColumns& columns, const Blocks& blocks) noexcept : columns_(columns), view_(columns), blocks_(blocks) {}
 
-protected:
+    [[nodiscard]] RigidColumns& columns() const noexcept { return columns_; }
+    [[nodiscard]] const RigidView& view() const noexcept { return view_; }
+    /// Pins of block 0 or 1.
+    [[nodiscard]] const PinBlock& operator[](int block) const noexcept { return blocks_[static_cast<std::size_t>(block)]; }
     /// Entries of a column for all pins, or for the pins `offset` after them.
-    [[nodiscard, gnu::always_inline]] D read_pins(Column c, int offset = 0) const noexcept {
-        if constexpr (blocks == 1) {
-            return read(view_, c, own_[0].first + offset);
+    [[nodiscard, gnu::always_inline]] D read(Column c, int offset = 0) const noexcept {
+        if constexpr (count == 1) {
+            return model::read(view_, c, blocks_[0].first + offset);
         } else {
-            return {read(view_, c, own_[0].first + offset), read(view_, c, own_[1].first + offset)};
+            return {model::read(view_, c, blocks_[0].first + offset), model::read(view_, c, blocks_[1].first + offset)};
         }
     }
-    [[nodiscard, gnu::always_inline]] PlaneD read_plane_of(Column c, int offset = 0) const noexcept {
-        return {read_pins(c, offset), read_pins(c + 1, offset)};
+    [[nodiscard, gnu::always_inline]] PlaneD plane(Column c, int offset = 0) const noexcept {
+        return {read(c, offset), read(c + 1, offset)};
     }
-    [[gnu::always_inline]] void write_pins(Column c, const D& values) noexcept {
-        over_blocks([&](auto block) { write(view_, c, own_[static_cast<std::size_t>(block)].first, piece(values, block)); });
+    [[gnu::always_inline]] void write(Column c, const D& values) noexcept {
+        over_blocks([&](auto block) { model::write(view_, c, blocks_[static_cast<std::size_t>(block)].first, piece(values, block)); });
     }
     /// Numbers of the pins of one block.
     [[nodiscard, gnu::always_inline]] static PinLanes piece(const D& values, int block) noexcept {
-        if constexpr (blocks == 1) {
+        if constexpr (count == 1) {
             return values;
         } else {
             return half<lanes>(values, block);
@@ -66,20 +69,21 @@ protected:
     template <class Visit>
     [[gnu::always_inline]] static void over_blocks(const Visit& visit) noexcept {
         visit(std::integral_constant<int, 0>{});
-        if constexpr (blocks == 2) visit(std::integral_constant<int, 1>{});
+        if constexpr (count == 2) visit(std::integral_constant<int, 1>{});
     }
     /// 1 for valid pins, 0 for the others.
     [[nodiscard, gnu::always_inline]] Lanes<W> present() const noexcept {
-        if constexpr (blocks == 1) {
-            return own_[0].present();
+        if constexpr (count == 1) {
+            return blocks_[0].present();
         } else {
-            return convert<W>(D{own_[0].present(), own_[1].present()});
+            return convert<W>(D{blocks_[0].present(), blocks_[1].present()});
         }
     }
 
+private:
     RigidColumns& columns_;
     const RigidView view_;
-    Blocks own_;
+    Blocks blocks_;
 };
 
 /// Numbers of all tips in the width W: derived once per pass and not for each tip.
@@ -187,23 +191,20 @@ template <int W>
 
 /// Initial values of the tips of pins side by side, read from the columns.
 template <int W>
-class RigidTipMotion : protected PinBlocks<W> {
-protected:
+class RigidTipMotion {
     using V = Lanes<W>;
     using D = DoublesOf<W>;
     using PlaneV = PlaneOf<W>;
     using PlaneD = DoublePlaneOf<W>;
-    using Base = PinBlocks<W>;
-    using Base::read_pins, Base::read_plane_of;
+    static constexpr int lanes = lane_count<W>;
 
 public:
-    using typename Base::Blocks;
-
+    /// All must outlive this.
     [[gnu::always_inline]] RigidTipMotion(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
-                                          const RigidKick& kick, RigidColumns& columns, const Blocks& own) noexcept
-        : Base(columns, own), c_(c), n_(numbers), kick_(kick) {
+                                          const RigidKick& kick, const PinBlocks<W>& pins) noexcept
+        : c_(c), n_(numbers), kick_(kick), pins_(pins) {
         at_ = read_motion(Column::x);
-        second_ = select_greater<Base::lanes>(at_.middle.x, D(c.middle), D(1.0), D(0.0));
+        second_ = select_greater<lanes>(at_.middle.x, D(c.middle), D(1.0), D(0.0));
         driven_ = convert<W>(second_);
         const PlaneD middle = at_.middle - PlaneD{in_doubles(&SheaveMotion::x, sheaves), in_doubles(&SheaveMotion::y, sheaves)};
         for (std::size_t k = 0; k < 2; ++k) {
@@ -212,7 +213,6 @@ public:
         }
     }
 
-protected:
     [[gnu::always_inline]] void read_rates(const SheaveMotion* sheaves) noexcept {
         rate_ = read_motion(Column::vx);
         const D spin = in_doubles(&SheaveMotion::spin_z, sheaves);
@@ -221,27 +221,32 @@ protected:
             read_side_rates(sheaves, k, side_[k]);
         }
     }
-    [[nodiscard]] double side_of(std::size_t tip) const noexcept { return side_[end_of_tip(tip)].side; }
+    [[nodiscard]] const HalfMotion<W>& half(std::size_t tip) const noexcept { return half_[half_of_tip(tip)]; }
+    [[nodiscard]] const SideMotion<W>& side(std::size_t tip) const noexcept { return side_[end_of_tip(tip)]; }
+    /// Velocity of half 0 or 1 along z.
+    [[nodiscard]] V velocity_z(int of_half) const noexcept { return convert<W>(rate_.z) + half_[of_half].ahead; }
+    /// 1 for pins of the driven shaft, else 0.
+    [[nodiscard]] const V& driven() const noexcept { return driven_; }
 
 private:
     [[nodiscard, gnu::always_inline]] PinMotion<W> read_motion(Column first) const noexcept {
-        return {read_plane_of(first), read_pins(first + 2), convert<W>(read_plane_of(first + 3)), convert<W>(read_plane_of(first + 6)),
-                convert<W>(read_pins(first + 5))};
+        return {pins_.plane(first), pins_.read(first + 2), convert<W>(pins_.plane(first + 3)), convert<W>(pins_.plane(first + 6)),
+                convert<W>(pins_.read(first + 5))};
     }
     /// A number of the sheave at -z of each pin's shaft. @param sheaves [4]
     [[nodiscard, gnu::always_inline]] D in_doubles(double SheaveMotion::*number, const SheaveMotion* sheaves) const noexcept {
-        return select_greater<Base::lanes>(second_, D(0.5), D(sheaves[2].*number), D(sheaves[0].*number));
+        return select_greater<lanes>(second_, D(0.5), D(sheaves[2].*number), D(sheaves[0].*number));
     }
     [[nodiscard, gnu::always_inline]] V of_shaft(double driving, double driven) const noexcept {
         return select_greater<W>(driven_, V(0.5), V(driven), V(driving));
     }
 
     [[gnu::always_inline]] void read_half(const PlaneD& middle, HalfMotion<W>& half, std::size_t which) noexcept {
-        const PlaneD t = read_plane_of(Column::line_x, line_of(which)), sphere = D(c_.outward) * PlaneD{t.y, -t.x};
+        const PlaneD t = pins_.plane(Column::line_x, line_of(which)), sphere = D(c_.outward) * PlaneD{t.y, -t.x};
         half.line = convert<W>(t);
         half.outward = {half.line.y, -half.line.x};
         half.sphere = n_.outward * half.outward;
-        half.place = middle + D(share_of(which)) * read_plane_of(Column::offset_x) + sphere;
+        half.place = middle + D(share_of(which)) * pins_.plane(Column::offset_x) + sphere;
         half.centre = convert<W>(half.place);
         const D square = dot(half.place, half.place), distance = square * inverse_root<W>(square), excess = distance - c_.touching_radius;
         half.distance = convert<W>(distance);
@@ -249,15 +254,15 @@ private:
         half.clearance = c_.sine * excess;
         half.rise = n_.outward_per_half * dot(at_.end, half.outward) - V(share_of(which)) * at_.slide;
         half.bend_rise = n_.bent_outward_per_half * dot(at_.bend, half.outward);
-        if (c_.unequal) half.bend_rise -= convert<W>(read_pins(Column::longer));
+        if (c_.unequal) half.bend_rise -= convert<W>(pins_.read(Column::longer));
     }
     [[gnu::always_inline]] void read_half_rates(const D& spin, HalfMotion<W>& half, std::size_t which) noexcept {
-        const D turn = read_pins(Column::line_turn, line_of(which));
+        const D turn = pins_.read(Column::line_turn, line_of(which));
         half.turn = convert<W>(turn);
         half.lag = convert<W>(spin - turn);
         half.slope_along = n_.per_half * dot(at_.end, half.line);
-        const PlaneD velocity = rate_.middle + D(share_of(which)) * read_plane_of(Column::offset_vx) +
-                                (c_.outward * turn) * read_plane_of(Column::line_x, line_of(which));
+        const PlaneD velocity = rate_.middle + D(share_of(which)) * pins_.plane(Column::offset_vx) +
+                                (c_.outward * turn) * pins_.plane(Column::line_x, line_of(which));
         half.velocity = convert<W>(velocity);
         half.drift = convert<W>(velocity - spin * turned(half.place));
         half.bend_along = n_.bent_per_half * dot(at_.bend, half.line);
@@ -273,8 +278,7 @@ private:
                            of_shaft(driving.y - sheaves[0].y, driven.y - sheaves[2].y)};
         s.sphere = V(side * (c_.lever - 1.0)) * at_.end + V(c_.bend_lever - 1.0) * at_.bend;
         s.arm = (V(side) * n_.lever) * at_.end + n_.bend_lever * at_.bend - moved;
-        const D plane(
-            select_greater<Base::lanes>(second_, D(0.5), D(driven.z - side * c_.half_length), D(driving.z - side * c_.half_length)));
+        const D plane(select_greater<lanes>(second_, D(0.5), D(driven.z - side * c_.half_length), D(driving.z - side * c_.half_length)));
         const D z = at_.z - plane, height = D(-side) * z;
         s.z = convert<W>(z);
         s.height = V(-side) * s.z;
@@ -295,14 +299,14 @@ private:
         s.moved_on = V(2.0) * onward;
         s.velocity = V(s.side) * rate_.end + rate_.bend - velocity + onward - spin * turned(s.arm);
         s.sphere_velocity = (V(s.side) * n_.lever) * rate_.end + n_.bend_lever * rate_.bend - velocity;
-        const D along = select_greater<Base::lanes>(second_, D(0.5), D(driven.vz), D(driving.vz));
+        const D along = select_greater<lanes>(second_, D(0.5), D(driven.vz), D(driving.vz));
         s.velocity_z = convert<W>(rate_.z - along);
     }
 
-protected:
     const RigidCoefficients& c_;
     const TipNumbers<W>& n_;
     const RigidKick& kick_;
+    const PinBlocks<W>& pins_;
     PinMotion<W> at_, rate_;
     HalfMotion<W> half_[2];
     SideMotion<W> side_[2];

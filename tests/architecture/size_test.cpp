@@ -44,7 +44,6 @@ const std::map<std::string, std::size_t> large_classes{
     {"model/contact/friction_lanes.hpp: FrictionLanes", 35},
     {"model/contact/sweep_lanes.hpp: SweepForces", 43},
     {"model/contact/sweep_lanes.hpp: SweepLanes", 60},
-    {"model/rigid/rigid_tips.hpp: TipGroup", 34},
     {"tasks/method/friction/friction_leapfrog.hpp: FrictionLeapfrog", 36},
     {"tasks/method/friction/rigid_leapfrog.hpp: RigidLeapfrog", 27},
     {"tasks/method/friction/sweep_leapfrog.hpp: SweepLeapfrog", 24},
