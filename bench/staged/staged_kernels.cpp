@@ -105,8 +105,8 @@ template <int P>
 }  // namespace
 
 template <>
-StagedFunctions staged_kernels<compiled_isa>(int order, bool observe) noexcept {
-    return of_order(order, [=]<int P>() { return functions_of<P>(observe); });
+StagedFunctions staged_kernels<compiled_isa>(bool observe) noexcept {
+    return functions_of<axis_order>(observe);
 }
 
 }  // namespace cvtflow::bench

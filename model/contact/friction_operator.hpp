@@ -1,5 +1,5 @@
 #pragma once
-/// Friction as an operator on velocities, with the kernels of one order and one instruction set.
+/// Friction as an operator on velocities, with the kernels of one instruction set.
 
 #include <array>
 #include <memory>
@@ -40,7 +40,7 @@ struct FrictionPowers;  // likewise
 /// to = from + by · along, of the state of `links` links.
 using LinkAdvance = void(const double* from, const double* along, double by, double* to, int links) noexcept;
 
-/// Functions of friction, and of a step's middle and end, of one order and one instruction set.
+/// Functions of friction, and of a step's middle and end, of one instruction set.
 struct FrictionKernels {
     void (*record)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const ContactRecord&, LinkLoad*, TipSearch*) noexcept;
     using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;

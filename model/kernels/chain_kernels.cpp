@@ -92,13 +92,11 @@ void observed_slopes(const ChainModel& model, const ChainRange& range, double* s
 }  // namespace
 
 template <>
-ChainKernels chain_kernels<compiled_isa>(int order) noexcept {
-    return of_order(order, []<int P>() -> ChainKernels {
-        if constexpr (slopes_alone)
-            return {slopes<P>, nullptr, nullptr};
-        else
-            return {slopes<P>, observed_slopes<P>, probe_links<P>};
-    });
+ChainKernels chain_kernels<compiled_isa>() noexcept {
+    if constexpr (slopes_alone)
+        return {slopes<axis_order>, nullptr, nullptr};
+    else
+        return {slopes<axis_order>, observed_slopes<axis_order>, probe_links<axis_order>};
 }
 
 }  // namespace cvtflow::model

@@ -22,12 +22,10 @@ void record(const FrictionOperator& friction, const ChainRange& range, const Con
 }  // namespace
 
 template <>
-FrictionKernels friction_kernels<compiled_isa>(int order) noexcept {
-    return of_order(order, []<int P>() -> FrictionKernels {
-        return {
-            record<P>, evaluate_links<P, false>, evaluate_links<P, true>, sweep_links<P>, sweep_powers<P>, end_links<P>, advance_links<P>,
+FrictionKernels friction_kernels<compiled_isa>() noexcept {
+    constexpr int P = axis_order;
+    return {record<P>, evaluate_links<P, false>, evaluate_links<P, true>, sweep_links<P>, sweep_powers<P>, end_links<P>, advance_links<P>,
             react};
-    });
 }
 
 }  // namespace cvtflow::model

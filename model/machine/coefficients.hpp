@@ -14,7 +14,7 @@ namespace cvtflow::model {
 
 inline constexpr int max_plate_lanes = 64;
 inline constexpr int max_joint_lanes = 16;
-inline constexpr int max_lateral = max_order + 1;
+inline constexpr int max_lateral = axis_order + 1;
 
 /// A spring with its viscous partner.
 struct Spring {

@@ -188,7 +188,7 @@ int plates_per_link(const ChainModel& chain) noexcept { return chain.coefficient
 void observe_forces(const ChainModel& chain, const double* state, const LinkContact* contacts, ChainForces& forces) {
     clear(chain, forces);
     const ForceReading reading{chain, state, contacts, forces};
-    of_order(chain.layout().order, [&]<int P>() { read_forces<P>(reading); });
+    read_forces<axis_order>(reading);
 }
 
 /// Bending moments, and friction between the halves of a pin along its length, do not exist there and stay zero.

@@ -16,7 +16,7 @@ ChainLayout layout_of(const Parameters& parameters) noexcept {
     const bool has_pulleys = pulley_size != 0;
     const int hydraulics = parameters.hydraulics.mode != HydraulicMode::none ? hydraulic_unknowns : 0;
     const bool rigid = parameters.detail.pins == PinDetail::rigid;
-    return {rigid ? 2 : parameters.detail.order,
+    return {rigid ? rigid_pin_order : axis_order,
             parameters.chain.pins,
             pulley_size,
             has_pulleys ? controllers(parameters.control) + hydraulics : 0,

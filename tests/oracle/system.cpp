@@ -37,8 +37,8 @@ Vec2 Half::slope_rate_at(Real xi) const {
     return sum;
 }
 
-Vec2 Half::mean_slope() const { return order() == 0 ? Vec2{} : (2.0L / length) * shape[1]; }
-Vec2 Half::mean_slope_rate() const { return order() == 0 ? Vec2{} : (2.0L / length) * shape_rate[1]; }
+Vec2 Half::mean_slope() const { return (2.0L / length) * shape[1]; }
+Vec2 Half::mean_slope_rate() const { return (2.0L / length) * shape_rate[1]; }
 
 void HalfForce::push(Real xi, Vec3 force) {
     for (int m = 0; m < static_cast<int>(shape.size()); ++m) shape[m] += legendre(m, xi) * in_plane(force);

@@ -24,7 +24,7 @@ struct TuneOptions {
 
 struct Tuning {
     Scene scene;         ///< as it should be run, from the start of the scene that was given
-    std::string choice;  ///< in words: "medium, leapfrog-chebyshev, automatic step"
+    std::string choice;  ///< in words: "fine, leapfrog-chebyshev, automatic step"
     double error = 0.0;  ///< largest that was measured [1]
     bool kept = false;   ///< found before, not measured now
 };

@@ -103,7 +103,7 @@ ExactJacobian::ExactJacobian(const Variator& variator)
       tail_(static_cast<std::size_t>(variator.layout().size() - variator.layout().pulley_begin())),
       above_(tail_),
       below_(tail_) {
-    link_ = of_order(variator.layout().order, []<int P>() { return &link_jacobian<P>; });
+    link_ = &link_jacobian<axis_order>;
     if (variator.layout().pulley_size != 0) find_maps();
 }
 
