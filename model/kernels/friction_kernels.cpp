@@ -9,13 +9,12 @@ namespace cvtflow::model {
 
 namespace {
 
-template <int P>
 void record(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const ContactRecord& to, LinkLoad* loads,
             TipSearch* search) noexcept {
     const ChainModel& chain = friction.chain();
-    using Contacts = ContactWriter<P, native_lanes>;
+    using Contacts = ContactWriter<native_lanes>;
     const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), to, search);
-    LanePass<P, native_lanes, Contacts>(chain, friction.frictionless(), range, loads, contacts).run();
+    LanePass<native_lanes, Contacts>(chain, friction.frictionless(), range, loads, contacts).run();
     contacts.repeat(chain.layout().links);
 }
 
@@ -23,9 +22,7 @@ void record(const FrictionOperator& friction, const ChainRange& range, const Con
 
 template <>
 FrictionKernels friction_kernels<compiled_isa>() noexcept {
-    constexpr int P = axis_order;
-    return {record<P>, evaluate_links<P, false>, evaluate_links<P, true>, sweep_links<P>, sweep_powers<P>, end_links<P>, advance_links<P>,
-            react};
+    return {record, evaluate_links<false>, evaluate_links<true>, sweep_links, sweep_powers, end_links, advance_links, react};
 }
 
 }  // namespace cvtflow::model

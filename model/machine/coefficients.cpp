@@ -60,7 +60,7 @@ PointLanes<Most> lanes_at(const std::vector<double>& positions) {
     for (std::size_t j = 0; j < lanes.position.size(); ++j) {
         const double xi = j < positions.size() ? positions[j] : 0.0;
         lanes.position[j] = xi;
-        for (int m = 0; m < max_lateral; ++m) lanes.basis[static_cast<std::size_t>(m)][j] = legendre(m, xi);
+        for (int m = 0; m < axis_terms; ++m) lanes.basis[static_cast<std::size_t>(m)][j] = legendre(m, xi);
     }
     return lanes;
 }

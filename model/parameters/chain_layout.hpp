@@ -44,6 +44,8 @@ inline constexpr int hydraulic_unknowns = 9;
 
 /// p, Legendre order of the axis of a pin half: 0 place, 1 slope, 2 and 3 bending.
 inline constexpr int axis_order = 3;
+/// Coefficients of such an axis along x, or along y.
+inline constexpr int axis_terms = axis_order + 1;
 /// Rigid pins bend in one shape, the second.
 inline constexpr int rigid_pin_order = 2;
 
@@ -53,14 +55,14 @@ enum class End { rear = 0, front = 1 };
 [[nodiscard]] constexpr int body_of(End end, bool rigid) noexcept { return rigid ? 0 : static_cast<int>(end); }
 
 struct ChainLayout {
-    int order = axis_order;
     int links = 84;        ///< N = number of pins
     int pulley_size = 36;  ///< generalized coordinates of shafts and sheaves: 36, 4 or 0
     int controls = 0;      ///< integrals of controllers, 0…2: of S_1's (or of the only one), of S_2's beside it; and hydraulic_unknowns
     bool ledger = false;
-    bool rigid = false;  ///< pins are one body each: x_0, y_0 the mean over the plates, ζ in the place of e; order is rigid_pin_order
+    bool rigid = false;  ///< pins are one body each: x_0, y_0 the mean over the plates, ζ in the place of e
 
-    [[nodiscard]] constexpr int lateral() const noexcept { return order + 1; }
+    /// Coefficients of an axis along x, or along y.
+    [[nodiscard]] constexpr int lateral() const noexcept { return rigid ? rigid_pin_order + 1 : axis_terms; }
     /// Halves that a block holds the coordinates of.
     [[nodiscard]] constexpr int bodies() const noexcept { return rigid ? 1 : 2; }
     [[nodiscard]] constexpr int link_size() const noexcept { return bodies() * (2 * lateral() + 2); }

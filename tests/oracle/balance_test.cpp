@@ -23,7 +23,7 @@ Sum sum_over_chain(const model::ChainLayout& layout, const std::vector<Real>& st
         for (int body = 0; body < layout.bodies(); ++body) {
             const auto end = static_cast<model::End>(body);
             sum.force += Vec3{f[layout.x(end, 0)], f[layout.y(end, 0)], f[layout.z(end)]};
-            for (int m = 0; m <= layout.order; ++m) {
+            for (int m = 0; m < layout.lateral(); ++m) {
                 const Vec2 place{q[layout.x(end, m)], q[layout.y(end, m)]};
                 const Vec2 force{f[layout.x(end, m)], f[layout.y(end, m)]};
                 sum.moment += cross(place, force);

@@ -147,7 +147,7 @@ void add_inner_elements(const System& system, Totals& totals) {
         const Link& link = system.links[i];
         for (const model::End end : {model::End::rear, model::End::front}) {
             add_extension(system, i + static_cast<int>(end), link.half(end), totals.link[i].half(end), totals);
-            for (int m = 2; m <= system.layout.order; ++m) {
+            for (int m = 2; m < system.layout.lateral(); ++m) {
                 add_half_bending(system, i, end, m, link.t, link.n, half.bending_travel, totals);
                 add_half_bending(system, i, end, m, link.n, -link.t, half.bending_height, totals);
             }

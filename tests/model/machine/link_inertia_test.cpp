@@ -15,7 +15,7 @@ namespace cvtflow::model {
 namespace {
 
 /// Coordinates of a link along x, or along y.
-constexpr int lateral_size = 2 * (axis_order + 1);
+constexpr int lateral_size = 2 * axis_terms;
 
 template <class Check>
 void for_every_detail(const Check& check) {
@@ -29,7 +29,7 @@ void for_every_detail(const Check& check) {
 /// Accelerations of one link, in place of its forces.
 void accelerate_one(const LinkInertia& inertia, std::vector<double>& f) {
     std::vector<Lanes<1>> lane(f.begin(), f.end());
-    accelerate<axis_order>(inertia, lane.data());
+    accelerate(inertia, lane.data());
     for (std::size_t k = 0; k < f.size(); ++k) f[k] = lane[k][0];
 }
 
@@ -62,7 +62,7 @@ TEST(LinkInertia, IsPositiveDefiniteAndSymmetric) {
             const auto momentum = times(inertia.lateral_matrix.data(), size, v.data());
             double energy = 0.0, square = 0.0;
             for (std::size_t i = 0; i < v.size(); ++i) energy += v[i] * momentum[i], square += v[i] * v[i];
-            EXPECT_GE(energy, p.half.mass / (2 * axis_order + 1) * square);  // plates only add to the halves' own diagonal
+            EXPECT_GE(energy, p.half.mass / (2 * axis_terms) * square);  // plates only add to the halves' own diagonal
         }
     });
 }
@@ -92,9 +92,9 @@ TEST(LinkInertia, WeighsTheWholeLink) {
     for_every_detail([&](const Parameters& p) {
         const LinkInertia inertia = link_inertia(p);
         std::vector<double> forward(lateral_size, 0.0);
-        forward[0] = forward[axis_order + 1] = 1.0;
+        forward[0] = forward[axis_terms] = 1.0;
         const auto momentum = times(inertia.lateral_matrix.data(), lateral_size, forward.data());
-        EXPECT_NEAR(momentum[0] + momentum[axis_order + 1], link_mass(p), 1e-16);
+        EXPECT_NEAR(momentum[0] + momentum[axis_terms], link_mass(p), 1e-16);
         const double along[4] = {1.0, 0.0, 1.0, 0.0};
         const auto axial = times(inertia.axial_matrix.data(), 4, along);
         EXPECT_NEAR(axial[0] + axial[2], link_mass(p), 1e-16);
@@ -130,7 +130,7 @@ TEST(LinkInertia, IsTheKineticEnergyOfItsMasses) {
     std::uniform_real_distribution<double> any(-1.0, 1.0);
     for_every_detail([&](const Parameters& p) {
         const LinkInertia inertia = link_inertia(p);
-        std::vector<double> a(axis_order + 1), b(axis_order + 1), v;
+        std::vector<double> a(axis_terms), b(axis_terms), v;
         for (double& value : a) value = any(random);
         for (double& value : b) value = any(random);
         v = a;
