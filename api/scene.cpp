@@ -87,7 +87,7 @@ std::string Scene::text() const {
 std::string Scene::value(const std::string& key) const {
     return api::entered(ErrorCode::internal, [&] {
         const tasks::Parameter* parameter = tasks::find_parameter(key);
-        if (parameter == nullptr) throw Error(ErrorCode::argument, "no key '" + key + "'" + engine::did_you_mean(tasks::nearest_keys(key)));
+        if (parameter == nullptr) throw Error(ErrorCode::argument, "no key '" + key + "'" + tasks::key_hint(key));
         return tasks::value_text(*parameter, data_->scene);
     });
 }

@@ -40,8 +40,7 @@ namespace {
 
 using namespace cvtflow;
 
-constexpr std::string_view settings_of_lowest[] = {"detail.order=0", "detail.plates=lumped", "detail.joint_points=1",
-                                                   "detail.pulleys=rigid"};
+constexpr std::string_view settings_of_lowest[] = {"detail.plates=lumped", "detail.joint_points=1", "detail.pulleys=rigid"};
 
 /// The settled baseline at some detail with everything that a row needs.
 struct Case {
@@ -133,12 +132,9 @@ void evaluate(const Case& c, const model::ChainKernels& kernels, model::Evaluati
                        slope + c.layout().pulley_begin());
 }
 
-using KernelsOfOrder = std::function<model::ChainKernels(int order)>;
-
 /// @param peak flops per second that are possible, 0: unknown
-void whole(benchmark::State& run, const std::string& row, const std::string& what, const KernelsOfOrder& kernels_of_order, double peak) {
+void whole(benchmark::State& run, const std::string& row, const std::string& what, const model::ChainKernels& kernels, double peak) {
     const Case& c = case_of(what);
-    const model::ChainKernels kernels = kernels_of_order(c.parameters.detail.order);
     std::vector<double> slope(static_cast<std::size_t>(c.layout().size()));
     model::EvaluationScratch scratch(c.layout());
     const auto once = [&] { evaluate(c, kernels, scratch, slope.data()); };
@@ -220,7 +216,7 @@ void add_row(const std::string& row, const std::function<void(benchmark::State&)
     benchmark::RegisterBenchmark(row.c_str(), body)->Unit(benchmark::kMicrosecond);
 }
 
-void add_rows(const std::string& who, const KernelsOfOrder& kernels, const bench::LinkParts& parts, double peak) {
+void add_rows(const std::string& who, const model::ChainKernels& kernels, const bench::LinkParts& parts, double peak) {
     for (const std::string what : {"whole", "three", "smoothed", "lowest"}) {
         const std::string row = who + "/" + what;
         add_row(row, [=](benchmark::State& run) { whole(run, row, what, kernels, what == "whole" ? peak : 0.0); });
@@ -244,11 +240,9 @@ void register_rows() {
         {"inner", plain::add_inner_elements}, {"plates", plain::add_plates}, {"joints", plain::add_joints}, {"tips", plain::add_tips}};
     for (const auto& [name, add] : plain_parts)
         add_row(std::string("plain/") + name, [add = add](benchmark::State& run) { plain_part(run, add); });
-    add_rows("one_lane", model::chain_kernels<bench::one_lane>, bench::link_parts<bench::one_lane>(), 0.0);
+    add_rows("one_lane", model::chain_kernels<bench::one_lane>(), bench::link_parts<bench::one_lane>(), 0.0);
     for (const model::Isa isa : model::usable_isas())
-        add_rows(
-            std::string(model::name_of(isa)), [of_order = model::kernels_of(isa).of_order](int order) { return of_order(order).chain; },
-            parts_of(isa), bench::peak_flops(isa));
+        add_rows(std::string(model::name_of(isa)), model::kernels_of(isa).halves().chain, parts_of(isa), bench::peak_flops(isa));
     add_row("this_build/pulleys", pulleys);
     add_row("this_build/transitions", transitions);
 }

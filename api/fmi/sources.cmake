@@ -52,7 +52,7 @@ while(open)   # every file is copied once, and what it includes is open
 endwhile()
 
 # Kernels of the instruction set that the compiler is told, at best -march=native: every one gives the same bits.
-string(CONCAT CVTFLOW_KERNEL_DECLARATIONS "template <>\nKernels native_kernels<compiled_isa>(int order) noexcept;\n"
+string(CONCAT CVTFLOW_KERNEL_DECLARATIONS "template <>\nKernels native_kernels<compiled_isa>() noexcept;\n"
   "template <>\nRigidKernels rigid_kernels<compiled_isa>() noexcept;\n")
 set(CVTFLOW_KERNEL_ROWS "        {compiled_isa, native_kernels<compiled_isa>, rigid_kernels<compiled_isa>},\n")
 configure_file(${TOP}/model/kernels/compiled_kernels.cpp.in ${OUT}/groups/compiled_kernels.cpp @ONLY)

@@ -105,7 +105,7 @@ void bind_scene(py::module_& module) {
             "This scene with other values: with_({\"load\": {\"torque\": \"8 N*m\"}}), with_({\"load.torque\": 8}), with_(load__torque=8), "
             "with_(until=\"1 ms\") if the last part is unique, or with_(\"load.torque=8 N*m\") as --set of the program. Numbers are in SI, "
             "texts carry their units; a table over time is an array [points, (time, value)].")
-        .def("with_detail", &Scene::with_detail, py::arg("preset"), "This scene at a level of detail: rigid, medium, fine, full.")
+        .def("with_detail", &Scene::with_detail, py::arg("preset"), "This scene at a level of detail: rigid, fine, full.")
         .def_static(
             "keys", [](const std::string& part) { return by_python("_scene", "Keys")(part); }, py::arg("part") = "",
             "KeyInfo of all keys by name, or of those whose name contains `part`.")

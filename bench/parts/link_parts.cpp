@@ -8,9 +8,8 @@ namespace {
 
 using namespace cvtflow::model;
 
-constexpr int order = 3;
 constexpr int width = native_lanes;
-using Pass = LanePass<order, width>;
+using Pass = LanePass<width>;
 using V = Lanes<width>;
 constexpr int size = Pass::size;
 
@@ -34,8 +33,8 @@ void joints(const Pass& pass, int own, int count, const Pass::Columns& before, c
     const Pass::Joints joint = pass.joints_between(before, here);
     Forces forces(out);
     joint.on_front.apply(1.0, forces.data(), End::front);
-    forces.data()[link_layout<order>.x(End::rear, 0)] = joint.before;
-    forces.data()[link_layout<order>.y(End::rear, 0)] = joint.after;
+    forces.data()[link_layout.x(End::rear, 0)] = joint.before;
+    forces.data()[link_layout.y(End::rear, 0)] = joint.after;
     forces.write(own, count);
 }
 
@@ -46,7 +45,7 @@ void others(int part, const Pass& pass, int own, int count, const Pass::Columns&
     if (part == 1) moment = pass.inner(pass.kinds(own, count), own, count, columns, forces.data(), none);
     if (part == 2) pass.plates(pass.kinds(own, count), columns, forces.data(), none);
     if (part == 4) pass.tips(own, count, columns, forces.data(), moment, loads);
-    add_moment<order>(columns.frame, moment, forces.data());
+    add_moment(columns.frame, moment, forces.data());
     forces.write(own, count);
 }
 

@@ -52,32 +52,33 @@ struct FourTips {
 };
 
 /// Points along ξ, loaded for one chunk of lanes.
-template <int P, int W>
+template <int W>
 struct AxisPoints {
-    Lanes<W> basis[P + 1];  ///< P_m(ξ), m ≥ 1
+    Lanes<W> basis[axis_terms];  ///< P_m(ξ), m ≥ 1
     Lanes<W> xi;
 
     template <int Most>
     AxisPoints(const PointLanes<Most>& points, int first) noexcept : xi(load<W>(&points.position[static_cast<std::size_t>(first)])) {
-        for (int m = 1; m <= P; ++m) basis[m] = load<W>(&points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(first)]);
+        for (int m = 1; m < axis_terms; ++m)
+            basis[m] = load<W>(&points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(first)]);
     }
     /// Σ c_m P_m(ξ). @param c [coefficients of the axis]
     [[nodiscard]] Lanes<W> along(const double* c) const noexcept {
         Lanes<W> value(c[0]);
-        for (int m = 1; m <= P; ++m) value += c[m] * basis[m];
+        for (int m = 1; m < axis_terms; ++m) value += c[m] * basis[m];
         return value;
     }
     /// Contributions of point forces to each coordinate, before they are summed over the points: in the order of Difference.
-    /// @param terms [2P + 4]
+    /// @param terms [2 axis_terms + 2]
     void spread(const Lanes<W>& fx, const Lanes<W>& fy, const Lanes<W>& fz, Lanes<W>* terms) const noexcept {
         terms[0] = fx;
-        terms[P + 1] = fy;
-        for (int m = 1; m <= P; ++m) {
+        terms[axis_terms] = fy;
+        for (int m = 1; m < axis_terms; ++m) {
             terms[m] = fx * basis[m];
-            terms[P + 1 + m] = fy * basis[m];
+            terms[axis_terms + m] = fy * basis[m];
         }
-        terms[2 * P + 2] = fz;
-        terms[2 * P + 3] = fz * xi;
+        terms[2 * axis_terms] = fz;
+        terms[2 * axis_terms + 1] = fz * xi;
     }
 };
 
@@ -95,12 +96,12 @@ template <int W, class Books>
 
 /// Bending modes 2…P of both halves, split along travel and height; lanes: rear 2…P, front 2…P. Adds forces; returns the moment on the
 /// link. q [coordinates of the link], v [m/s, rad/s], f [N, N·m]
-template <int P, class Books>
+template <class Books>
 [[nodiscard]] inline double bending(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v, double* f,
                                     Books& books) noexcept {
-    constexpr int modes = P - 1;
-    constexpr int xa = link_layout<P>.x(End::rear, 2), xb = link_layout<P>.x(End::front, 2), ya = link_layout<P>.y(End::rear, 2),
-                  yb = link_layout<P>.y(End::front, 2);
+    constexpr int modes = axis_order - 1;
+    constexpr int xa = link_layout.x(End::rear, 2), xb = link_layout.x(End::front, 2), ya = link_layout.y(End::rear, 2),
+                  yb = link_layout.y(End::front, 2);
     using V = Lanes<2 * modes>;
     const auto both = [](const double* from, int rear, int front) {
         return join<modes>(load<modes>(from + rear), load<modes>(from + front));
@@ -121,61 +122,61 @@ template <int P, class Books>
 }
 
 /// Guides' forces on one link.
-template <int P, class Books>
+template <class Books>
 inline void guide_force(const GuideCoefficients& g, const double* q, const double* v, double* f, Books& books) noexcept {
-    constexpr int size = link_layout<P>.link_size();
+    constexpr int size = link_layout.link_size();
     Lanes<1> place[size], rate[size], force[size];
     for (int k = 0; k < size; ++k) place[k] = q[k], rate[k] = v[k], force[k] = f[k];
-    guide_force<P>(g, place, rate, force, books);
+    guide_force(g, place, rate, force, books);
     for (int k = 0; k < size; ++k) f[k] = force[k][0];
 }
 
 /// One chunk of W plates; adds the force on the front half to `pull`.
-template <int P, int W, class Books>
-inline void plate_chunk(const Coefficients& c, double free_length, const Difference<P>& d, const Difference<P>& rate, int first,
-                        Difference<P>& pull, [[maybe_unused]] Books& books) noexcept {
+template <int W, class Books>
+inline void plate_chunk(const Coefficients& c, double free_length, const Difference<>& d, const Difference<>& rate, int first,
+                        Difference<>& pull, [[maybe_unused]] Books& books) noexcept {
     const auto of = [first](const auto& numbers) { return load<W>(&numbers[static_cast<std::size_t>(first)]); };
-    alignas(64) double total[plate_rows<P, Books>];
-    const AxisPoints<P, W> points(c.plates, first);
+    alignas(64) double total[plate_rows<Books>];
+    const AxisPoints<W> points(c.plates, first);
     const auto weight = of(c.plates.weight), damping = of(c.plates.damping);
-    const PlateStretch<W> stretch = plate_stretch<P, W>(c, free_length, points, weight, damping, d, rate);
-    sums<W>(plate_terms<P, W, Books>(points, weight, damping, stretch, plate_slide(c, stretch)), total);
+    const PlateStretch<W> stretch = plate_stretch<W>(c, free_length, points, weight, damping, d, rate);
+    sums<W>(plate_terms<W, Books>(points, weight, damping, stretch, plate_slide(c, stretch)), total);
     pull.add(total);
-    if constexpr (Books::observed) book_plates<P>(total, books);
+    if constexpr (Books::observed) book_plates(total, books);
 }
 
 /// All plates of a link. Adds to the generalized forces f of the link. q [coordinates of the link], v [m/s], f [N, N·m]
-template <int P, int W, class Books>
+template <int W, class Books>
 inline void plates(const Coefficients& c, const LinkKind& kind, const double* q, const double* v, double* f, Books& books) noexcept {
-    const Difference<P> d(q, End::front, q, End::rear);
-    const Difference<P> rate(v, End::front, v, End::rear);
-    Difference<P> pull;
-    for (int first = 0; first < c.plates.count; first += W) plate_chunk<P, W>(c, kind.free_length, d, rate, first, pull, books);
+    const Difference<> d(q, End::front, q, End::rear);
+    const Difference<> rate(v, End::front, v, End::rear);
+    Difference<> pull;
+    for (int first = 0; first < c.plates.count; first += W) plate_chunk<W>(c, kind.free_length, d, rate, first, pull, books);
     pull.apply(1.0, f, End::front);
     pull.apply(-1.0, f, End::rear);
 }
 
 /// Adds the sums of terms over their lanes.
-template <int P, int W>
-inline void add_sums(const JointTerms<P, W>& terms, JointForce<P>& to) noexcept {
-    alignas(64) double total[JointForce<P>::rows];
+template <int W>
+inline void add_sums(const JointTerms<W>& terms, JointForce<>& to) noexcept {
+    alignas(64) double total[JointForce<>::rows];
     sums<W>(terms, total);
     to.add(total);
 }
 
 /// The joint between the front half of the link at q_before and the rear half of the one at q_after. q_before [coordinates of the link],
 /// v_before [m/s]
-template <int P, int W, class Books>
+template <int W, class Books>
 inline void joint(const Coefficients& c, const LinkFrame& before, const LinkFrame& after, const double* q_before, const double* v_before,
-                  const double* q_after, const double* v_after, JointForce<P>& out, Books& books) noexcept {
+                  const double* q_after, const double* v_after, JointForce<>& out, Books& books) noexcept {
     const JointFrames<double> frames(before, after);
-    const AxisPoints<P, W> points(c.joint_points, 0);
+    const AxisPoints<W> points(c.joint_points, 0);
     const Lanes<W> weight = load<W>(c.joint_points.weight.data());
-    const auto motion = joint_motion<P, W>(c.joint, frames, points, Difference<P>(q_before, End::front, q_after, End::rear),
-                                           Difference<P>(v_before, End::front, v_after, End::rear));
-    add_sums<P, W>(rolling_contact_force<P, W>(c.joint, frames, points, weight, motion, books), out);
+    const auto motion = joint_motion<W>(c.joint, frames, points, Difference<>(q_before, End::front, q_after, End::rear),
+                                        Difference<>(v_before, End::front, v_after, End::rear));
+    add_sums<W>(rolling_contact_force<W>(c.joint, frames, points, weight, motion, books), out);
     if (all_at_most<W>(beyond_clearance<W>(c.joint, frames, motion), 0.0)) return;  // the rule: rolling keeps the centres on the bisector
-    add_sums<P, W>(clearance_force<P, W>(c.joint, frames, points, weight, motion, books), out);
+    add_sums<W>(clearance_force<W>(c.joint, frames, points, weight, motion, books), out);
 }
 
 /// Phases of one link.
@@ -191,7 +192,6 @@ inline void joint(const Coefficients& c, const LinkFrame& before, const LinkFram
 }
 
 /// Adds generalized forces of the four tips to those of their link; returns the moment about z on it. f [N, N·m]
-template <int P>
 [[nodiscard]] inline double load_link(const TipAction<TipLanes>& action, double* f) noexcept {
     alignas(64) double number[5][4];
     action.total.x.copy_to(number[0]);
@@ -202,14 +202,13 @@ template <int P>
     const auto of = [&](int tip) {
         return TipAction<double>{{number[0][tip], number[1][tip], number[2][tip]}, number[3][tip], number[4][tip], 0.0};
     };
-    load_end<P>(End::rear, of(0), of(1), f);
-    load_end<P>(End::front, of(2), of(3), f);
+    load_end(End::rear, of(0), of(1), f);
+    load_end(End::front, of(2), of(3), f);
     return sum<tips_per_link>(action.moment);
 }
 
 /// Reactions of the four tips of a link on the two sheaves.
-template <int P>
-[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& motion,
+[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry<TipLanes>& g, const TipMotion<TipLanes>& motion,
                                                                  const TipForces<TipLanes>& t) noexcept {
     const auto pair = [](const TipLanes& lanes, double* two) { folded<tips_per_link>(lanes).copy_to(two); };  // rear + front, by side
     const auto [force, moment] = tip_reaction(g, motion, t);
@@ -224,16 +223,16 @@ template <int P>
 }
 
 /// All tips of a link; `sheaves` are the two of its pulley. Adds to the link's generalized forces, returns the moment about z on it.
-template <int P, class Books>
+template <class Books>
 [[nodiscard]] inline double tips(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v,
                                  const SheaveMotion* sheaves, const Phase* phases, double* f, SheaveLoad& load, Books& books) noexcept {
     const FourTips four;
     const auto sheave = sheaves_at(four, sheaves);
-    const auto geometry = tip_geometry<P>(c, four, frame, q, sheave);
-    const auto motion = tip_motion<P>(c, four, frame, v, sheave, geometry);
+    const auto geometry = tip_geometry(c, four, frame, q, sheave);
+    const auto motion = tip_motion(c, four, frame, v, sheave, geometry);
     const auto forces = tip_forces<tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), books);
     load = load_sheaves(geometry, motion, forces);
-    return load_link<P>(tip_action(c, frame, geometry, motion, forces), f);
+    return load_link(tip_action(c, frame, geometry, motion, forces), f);
 }
 
 /// Calls body with the smallest compiled lane count that holds `width`.
@@ -248,26 +247,26 @@ inline void with_lanes(int width, const Body& body) noexcept {
 
 /// Elasticity and plates of a link. Clears and fills its generalized forces f; returns the moment about z on it. state [unknowns of the
 /// link], f [N, N·m]
-template <int P, class Books>
+template <class Books>
 [[nodiscard]] inline double link_part(const Coefficients& c, int link, const LinkFrame& frame, const double* state, double* f,
                                       Books& books) noexcept {
-    const double* v = state + link_layout<P>.link_size();
-    std::memset(f, 0, static_cast<std::size_t>(link_layout<P>.link_size()) * sizeof(double));
+    const double* v = state + link_layout.link_size();
+    std::memset(f, 0, static_cast<std::size_t>(link_layout.link_size()) * sizeof(double));
     const LinkKind& kind = c.kind(link);
-    const double moment = inner_elasticity<P>(c, kind, frame, state, v, f, books);
-    if (!c.longer.empty()) add_lengths<P>(c, lengths_at(c, link), state, f, books);
-    with_lanes(c.plates.width, [&]<int W>() { plates<P, W>(c, kind, state, v, f, books); });
+    const double moment = inner_elasticity(c, kind, frame, state, v, f, books);
+    if (!c.longer.empty()) add_lengths(c, lengths_at(c, link), state, f, books);
+    with_lanes(c.plates.width, [&]<int W>() { plates<W>(c, kind, state, v, f, books); });
     return moment;
 }
 
 /// Joint between two links with their states and frames. state_before [states of a link]
-template <int P, class Books>
+template <class Books>
 inline void joint_part(const Coefficients& c, const LinkFrame& before, const LinkFrame& after, const double* state_before,
-                       const double* state_after, JointForce<P>& out, Books& books) noexcept {
-    constexpr int size = link_layout<P>.link_size();
+                       const double* state_after, JointForce<>& out, Books& books) noexcept {
+    constexpr int size = link_layout.link_size();
     out = {};
     with_lanes(c.joint_points.width, [&]<int W>() {
-        joint<P, W>(c, before, after, state_before, state_before + size, state_after, state_after + size, out, books);
+        joint<W>(c, before, after, state_before, state_before + size, state_after, state_after + size, out, books);
     });
 }
 
@@ -292,41 +291,38 @@ inline void multiply(const SmallInverse& inverse, double* f) noexcept {
 }
 
 /// Accelerations of a link from its generalized forces, in place. f [in: N, N·m; out: m/s², rad/s²]
-template <int P>
 inline void accelerate(const LinkInertia& inertia, double* f) noexcept {
-    multiply<2 * (P + 1), 2>(inertia.lateral, f);
-    multiply<4, 1>(inertia.axial, f + 4 * (P + 1));
+    multiply<2 * axis_terms, 2>(inertia.lateral, f);
+    multiply<4, 1>(inertia.axial, f + 4 * axis_terms);
 }
 
 /// Forces of the tips of one link, kept apart until they are added.
-template <int P>
 struct TipShare {
-    double force[4 * (P + 1) + 4];
+    double force[4 * axis_terms + 4];
     double moment;  ///< about z [N·m]
 };
 
 /// Tips of a link that touches somewhere; reactions on its sheaves to `load`. state [unknowns of the link]
-template <int P, class Books>
+template <class Books>
 inline void tip_part(const ChainModel& model, const LinkFrame& frame, const double* state, const SheaveMotion* sheaves, const Phase* phases,
-                     TipShare<P>& share, LinkLoad& load, Books& books) noexcept {
+                     TipShare& share, LinkLoad& load, Books& books) noexcept {
     std::memset(share.force, 0, sizeof share.force);
     load.shaft = model.shaft_of(state);
-    share.moment = tips<P>(model.coefficients(), frame, state, state + link_layout<P>.link_size(), sheaves + 2 * load.shaft, phases,
-                           share.force, load.load, books);
+    share.moment = tips(model.coefficients(), frame, state, state + link_layout.link_size(), sheaves + 2 * load.shaft, phases, share.force,
+                        load.load, books);
 }
 
 /// Adds joints and tips (none: nullptr) to the results of link_part in f. The order of the sums keeps the bits equal. moment [N·m]
-template <int P>
-inline void assemble(const LinkFrame& frame, double moment, const JointForce<P>& rear, const JointForce<P>& front, const TipShare<P>* tips,
+inline void assemble(const LinkFrame& frame, double moment, const JointForce<>& rear, const JointForce<>& front, const TipShare* tips,
                      double* f) noexcept {
     rear.on_front.apply(-1.0, f, End::rear);
     front.on_front.apply(1.0, f, End::front);
     moment += rear.after + front.before;
     if (tips != nullptr) {
-        for (int k = 0; k < link_layout<P>.link_size(); ++k) f[k] += tips->force[k];
+        for (int k = 0; k < link_layout.link_size(); ++k) f[k] += tips->force[k];
         moment += tips->moment;
     }
-    add_moment<P>(frame, moment, f);
+    add_moment(frame, moment, f);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ StagedFunctions staged_functions(const ChainModel& model, bool observe) {
     const std::vector<CompiledStages> compiled = compiled_stages();
     const auto row = std::ranges::find(compiled, model.isa(), &CompiledStages::isa);
     if (row == compiled.end()) throw std::logic_error("stages are not compiled for the model's instruction set");
-    return row->functions(model.layout().order, observe);
+    return row->functions(observe);
 }
 
 namespace {

@@ -13,7 +13,7 @@ namespace cvtflow::bench {
 
 using model::ChainModel;
 
-/// Results of stages that later stages read. Strides in doubles depend on the order.
+/// Results of stages that later stages read. Strides in doubles.
 struct StagedBuffers {
     explicit StagedBuffers(const model::ChainLayout& layout);
     std::vector<double> joints;   ///< [links][joint_stride]: force of the joint of pin i
@@ -33,7 +33,7 @@ struct StagedChain {
     model::Account* accounts;  ///< [links * account_parts], only for observing evaluations, else nullptr
 };
 
-/// Functions of one order and of observing or not, chosen once.
+/// Functions of observing or not, chosen once.
 struct StagedFunctions {
     /// Elasticity and plates of links [first, last), joints of the pins strictly between them.
     void (*chain_forces)(const ChainModel&, const StagedChain&, int first, int last) noexcept;
@@ -46,22 +46,22 @@ struct StagedFunctions {
     /// Accelerations A⁻¹ f for links [first, last).
     void (*reverse)(const ChainModel&, const StagedChain&, int first, int last) noexcept;
 };
-/// Functions of the model's order and instruction set.
+/// Functions of the model's instruction set.
 [[nodiscard]] StagedFunctions staged_functions(const ChainModel& model, bool observe);
 
-/// Defined in staged_kernels.cpp, which is compiled once per instruction set. @param order p, 0 … 3
+/// Defined in staged_kernels.cpp, which is compiled once per instruction set.
 template <model::Isa isa>
-StagedFunctions staged_kernels(int order, bool observe) noexcept;
+StagedFunctions staged_kernels(bool observe) noexcept;
 template <>
-StagedFunctions staged_kernels<model::Isa::baseline>(int order, bool observe) noexcept;
+StagedFunctions staged_kernels<model::Isa::baseline>(bool observe) noexcept;
 template <>
-StagedFunctions staged_kernels<model::Isa::avx2>(int order, bool observe) noexcept;
+StagedFunctions staged_kernels<model::Isa::avx2>(bool observe) noexcept;
 template <>
-StagedFunctions staged_kernels<model::Isa::avx512>(int order, bool observe) noexcept;
+StagedFunctions staged_kernels<model::Isa::avx512>(bool observe) noexcept;
 
 struct CompiledStages {
     model::Isa isa;
-    StagedFunctions (*functions)(int order, bool observe) noexcept;
+    StagedFunctions (*functions)(bool observe) noexcept;
 };
 /// Stages for the instruction sets of the model's kernels. The build writes this list (compiled_staged.cpp.in).
 [[nodiscard]] std::vector<CompiledStages> compiled_stages();

@@ -8,19 +8,14 @@ namespace {
 
 using namespace cvtflow::model;
 
-template <int P>
-[[nodiscard]] const double* state_of(const StagedChain& chain, int link) noexcept {
-    return chain.states + link * link_layout<P>.link_block();
-}
+[[nodiscard]] const double* state_of(const StagedChain& chain, int link) noexcept { return chain.states + link * link_layout.link_block(); }
 
-template <int P>
 [[nodiscard]] double* force_of(const StagedChain& chain, int link) noexcept {
-    return chain.slope + link * link_layout<P>.link_block() + link_layout<P>.link_size();
+    return chain.slope + link * link_layout.link_block() + link_layout.link_size();
 }
 
-template <int P>
 [[nodiscard]] LinkFrame frame_of(const StagedChain& chain, int link) noexcept {
-    return link_frame<P>(state_of<P>(chain, link), state_of<P>(chain, link) + link_layout<P>.link_size());
+    return link_frame(state_of(chain, link), state_of(chain, link) + link_layout.link_size());
 }
 
 template <bool Observe>
@@ -43,70 +38,67 @@ void keep(const Share& share, double* to) noexcept {
     std::memcpy(to, &share, sizeof share);
 }
 
-template <int P, bool Observe>
+template <bool Observe>
 void joint_of_pin(const ChainModel& model, const StagedChain& chain, int pin) noexcept {
-    static_assert(sizeof(JointForce<P>) == (2 * (P + 1) + 4) * sizeof(double));
+    static_assert(sizeof(JointForce<>) == (2 * axis_terms + 4) * sizeof(double));
     const int before = model.layout().previous(pin);
-    JointForce<P> force;
+    JointForce<> force;
     auto of_joint = books<Observe>(chain, pin, AccountPart::joint);
-    joint_part<P>(model.coefficients(), frame_of<P>(chain, before), frame_of<P>(chain, pin), state_of<P>(chain, before),
-                  state_of<P>(chain, pin), force, of_joint);
+    joint_part(model.coefficients(), frame_of(chain, before), frame_of(chain, pin), state_of(chain, before), state_of(chain, pin), force,
+               of_joint);
     keep(force, chain.buffers->joints.data() + pin * chain.buffers->joint_stride);
 }
 
-template <int P, bool Observe>
+template <bool Observe>
 void chain_forces(const ChainModel& model, const StagedChain& chain, int first, int last) noexcept {
-    constexpr int size = link_layout<P>.link_size();
+    constexpr int size = link_layout.link_size();
     for (int link = first; link < last; ++link) {
-        const double* state = state_of<P>(chain, link);
-        double* f = force_of<P>(chain, link);
+        const double* state = state_of(chain, link);
+        double* f = force_of(chain, link);
         std::memcpy(f - size, state + size, size * sizeof(double));
         auto of_link = books<Observe>(chain, link, AccountPart::link);
         chain.buffers->moments[static_cast<std::size_t>(link)] =
-            link_part<P>(model.coefficients(), link, frame_of<P>(chain, link), state, f, of_link);
-        if (link > first) joint_of_pin<P, Observe>(model, chain, link);
+            link_part(model.coefficients(), link, frame_of(chain, link), state, f, of_link);
+        if (link > first) joint_of_pin<Observe>(model, chain, link);
     }
 }
 
-template <int P, bool Observe>
+template <bool Observe>
 void contact(const ChainModel& model, const StagedChain& chain, int link) noexcept {
-    static_assert(sizeof(TipShare<P>) == (4 * (P + 1) + 5) * sizeof(double));
-    TipShare<P> share;
+    static_assert(sizeof(TipShare) == (4 * axis_terms + 5) * sizeof(double));
+    TipShare share;
     auto of_tips = books<Observe>(chain, link, AccountPart::tips);
-    tip_part<P>(model, frame_of<P>(chain, link), state_of<P>(chain, link), chain.sheaves, chain.phases + tips_per_link * link, share,
-                chain.loads[link], of_tips);
+    tip_part(model, frame_of(chain, link), state_of(chain, link), chain.sheaves, chain.phases + tips_per_link * link, share,
+             chain.loads[link], of_tips);
     keep(share, chain.buffers->tips.data() + link * chain.buffers->tip_stride);
 }
 
-template <int P>
 void forward_links(const ChainModel& model, const StagedChain& chain, int first, int last) noexcept {
     const StagedBuffers& buffers = *chain.buffers;
     for (int link = first; link < last; ++link) {
-        const auto rear = kept<JointForce<P>>(buffers.joints.data() + link * buffers.joint_stride);
-        const auto front = kept<JointForce<P>>(buffers.joints.data() + model.layout().next(link) * buffers.joint_stride);
+        const auto rear = kept<JointForce<>>(buffers.joints.data() + link * buffers.joint_stride);
+        const auto front = kept<JointForce<>>(buffers.joints.data() + model.layout().next(link) * buffers.joint_stride);
         const bool touching = touches(chain.phases, link);
-        const auto share = kept<TipShare<P>>(buffers.tips.data() + link * buffers.tip_stride);
-        double* f = force_of<P>(chain, link);
-        assemble<P>(frame_of<P>(chain, link), buffers.moments[static_cast<std::size_t>(link)], rear, front, touching ? &share : nullptr, f);
+        const auto share = kept<TipShare>(buffers.tips.data() + link * buffers.tip_stride);
+        double* f = force_of(chain, link);
+        assemble(frame_of(chain, link), buffers.moments[static_cast<std::size_t>(link)], rear, front, touching ? &share : nullptr, f);
     }
 }
 
-template <int P>
 void reverse_links(const ChainModel& model, const StagedChain& chain, int first, int last) noexcept {
-    for (int link = first; link < last; ++link) accelerate<P>(model.inertia(), force_of<P>(chain, link));
+    for (int link = first; link < last; ++link) accelerate(model.inertia(), force_of(chain, link));
 }
 
-template <int P>
 [[nodiscard]] StagedFunctions functions_of(bool observe) noexcept {
-    if (observe) return {chain_forces<P, true>, joint_of_pin<P, true>, contact<P, true>, forward_links<P>, reverse_links<P>};
-    return {chain_forces<P, false>, joint_of_pin<P, false>, contact<P, false>, forward_links<P>, reverse_links<P>};
+    if (observe) return {chain_forces<true>, joint_of_pin<true>, contact<true>, forward_links, reverse_links};
+    return {chain_forces<false>, joint_of_pin<false>, contact<false>, forward_links, reverse_links};
 }
 
 }  // namespace
 
 template <>
-StagedFunctions staged_kernels<compiled_isa>(int order, bool observe) noexcept {
-    return of_order(order, [=]<int P>() { return functions_of<P>(observe); });
+StagedFunctions staged_kernels<compiled_isa>(bool observe) noexcept {
+    return functions_of(observe);
 }
 
 }  // namespace cvtflow::bench

@@ -70,7 +70,7 @@ private:
 class ChainModel;
 class RigidChain;
 
-/// The chain's functions of one order and one instruction set.
+/// The chain's functions of one instruction set.
 struct ChainKernels {
     void (*slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*) noexcept;
     void (*observed_slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*, LinkContact*) noexcept;

@@ -19,8 +19,8 @@ inline void multiply_ends(const MirroredInverse<float>& inverse, const V* force,
         apart[m] = force[m] - force[size + m];
     }
     for (int m = 0; m < size; ++m) {
-        const float* sum = inverse.sum.data() + m * max_lateral;
-        const float* difference = inverse.difference.data() + m * max_lateral;
+        const float* sum = inverse.sum.data() + m * axis_terms;
+        const float* difference = inverse.difference.data() + m * axis_terms;
         V together = sum[m % 2] * both[m % 2], opposed = difference[m % 2] * apart[m % 2];
         for (int k = m % 2 + 2; k < size; k += 2) {
             together += sum[k] * both[k];
@@ -32,9 +32,9 @@ inline void multiply_ends(const MirroredInverse<float>& inverse, const V* force,
 }
 
 /// W links side by side; velocities count from those at which contacts were recorded, column numbers from the first link of the range.
-template <int P, int W, bool AllSticking>
-class FrictionLanes : protected FrictionTips<P, W, AllSticking> {
-    using Base = FrictionTips<P, W, AllSticking>;
+template <int W, bool AllSticking>
+class FrictionLanes : protected FrictionTips<W, AllSticking> {
+    using Base = FrictionTips<W, AllSticking>;
 
 protected:
     using Base::velocity, Base::contact, Base::in_scratch, Base::to_scratch, Base::links_at, Base::field_, Base::range_, Base::numbers_;
@@ -42,7 +42,7 @@ protected:
 public:
     using V = Lanes<W>;
     using Joint = ContactComponents::Joint;
-    static constexpr int n = P + 1;
+    static constexpr int n = axis_terms;
     /// Rows of a joint's force: x_0…x_p, y_0…y_p, z, e, moment before, moment after.
     static constexpr int joint_rows = 2 * n + 4;
 
@@ -61,7 +61,7 @@ public:
 
     /// Slopes of links first + group … + W - 1; their joints must be in scratch.
     void links(int group, const FrictionStage& stage) const noexcept {
-        V f[link_layout<P>.link_size()];
+        V f[link_layout.link_size()];
         add_joints(group, f);
         V moment = in_scratch(2 * n + 3, group) + in_scratch(2 * n + 2, group + 1);
         plates(group, f);
@@ -79,11 +79,11 @@ protected:
     [[nodiscard]] JointRates joint_rates(int group) const noexcept {
         JointRates rates;
         for (int m = 0; m < n; ++m) {
-            rates.x[m] = velocity(link_layout<P>.x(End::front, m), group - 1) - velocity(link_layout<P>.x(End::rear, m), group);
-            rates.y[m] = velocity(link_layout<P>.y(End::front, m), group - 1) - velocity(link_layout<P>.y(End::rear, m), group);
+            rates.x[m] = velocity(link_layout.x(End::front, m), group - 1) - velocity(link_layout.x(End::rear, m), group);
+            rates.y[m] = velocity(link_layout.y(End::front, m), group - 1) - velocity(link_layout.y(End::rear, m), group);
         }
-        rates.z = velocity(link_layout<P>.z(End::front), group - 1) - velocity(link_layout<P>.z(End::rear), group);
-        rates.e = velocity(link_layout<P>.e(End::front), group - 1) - velocity(link_layout<P>.e(End::rear), group);
+        rates.z = velocity(link_layout.z(End::front), group - 1) - velocity(link_layout.z(End::rear), group);
+        rates.e = velocity(link_layout.e(End::front), group - 1) - velocity(link_layout.e(End::rear), group);
         if constexpr (!AllSticking) {
             rates.z += contact(field_.components.joint_gap(), group);
             rates.e += contact(field_.components.joint_gap() + 1, group);
@@ -95,8 +95,8 @@ protected:
 
     /// How fast the gap between a link's pins opens: z, e.
     [[nodiscard]] std::pair<V, V> plate_rates(int group) const noexcept {
-        V z = velocity(link_layout<P>.z(End::front), group) - velocity(link_layout<P>.z(End::rear), group);
-        V e = velocity(link_layout<P>.e(End::front), group) - velocity(link_layout<P>.e(End::rear), group);
+        V z = velocity(link_layout.z(End::front), group) - velocity(link_layout.z(End::rear), group);
+        V e = velocity(link_layout.e(End::front), group) - velocity(link_layout.e(End::rear), group);
         if constexpr (!AllSticking) {
             z += contact(field_.components.plate_gap(), group);
             e += contact(field_.components.plate_gap() + 1, group);
@@ -120,7 +120,7 @@ protected:
     }
 
     /// Sliding of point g across the axis.
-    [[nodiscard]] V slip_of(int group, int g, const V& x, const V& y, const JointRates& rates) const noexcept {
+    [[nodiscard, gnu::always_inline]] V slip_of(int group, int g, const V& x, const V& y, const JointRates& rates) const noexcept {
         const int row = field_.components.joint(g);
         const V slip = contact(row + Joint::normal_x, group) * y - contact(row + Joint::normal_y, group) * x +
                        rates.before * contact(row + Joint::lever_before, group) + rates.after * contact(row + Joint::lever_after, group);
@@ -182,25 +182,25 @@ protected:
 
     void add_joints(int group, V* f) const noexcept {
         for (int m = 0; m < n; ++m) {
-            f[link_layout<P>.x(End::rear, m)] = -in_scratch(m, group);
-            f[link_layout<P>.y(End::rear, m)] = -in_scratch(n + m, group);
-            f[link_layout<P>.x(End::front, m)] = in_scratch(m, group + 1);
-            f[link_layout<P>.y(End::front, m)] = in_scratch(n + m, group + 1);
+            f[link_layout.x(End::rear, m)] = -in_scratch(m, group);
+            f[link_layout.y(End::rear, m)] = -in_scratch(n + m, group);
+            f[link_layout.x(End::front, m)] = in_scratch(m, group + 1);
+            f[link_layout.y(End::front, m)] = in_scratch(n + m, group + 1);
         }
-        f[link_layout<P>.z(End::rear)] = -in_scratch(2 * n, group);
-        f[link_layout<P>.e(End::rear)] = -in_scratch(2 * n + 1, group);
-        f[link_layout<P>.z(End::front)] = in_scratch(2 * n, group + 1);
-        f[link_layout<P>.e(End::front)] = in_scratch(2 * n + 1, group + 1);
+        f[link_layout.z(End::rear)] = -in_scratch(2 * n, group);
+        f[link_layout.e(End::rear)] = -in_scratch(2 * n + 1, group);
+        f[link_layout.z(End::front)] = in_scratch(2 * n, group + 1);
+        f[link_layout.e(End::front)] = in_scratch(2 * n + 1, group + 1);
     }
 
     /// Adds the couple of the links' ends that a moment about z is.
     void add_couple(int group, const V& moment, V* f) const noexcept {
         const V couple = moment * contact(ContactComponents::inverse_length, group);
         const V tx = contact(ContactComponents::frame_x, group), ty = contact(ContactComponents::frame_y, group);
-        f[link_layout<P>.x(End::front, 0)] = f[link_layout<P>.x(End::front, 0)] - couple * ty;
-        f[link_layout<P>.y(End::front, 0)] += couple * tx;
-        f[link_layout<P>.x(End::rear, 0)] += couple * ty;
-        f[link_layout<P>.y(End::rear, 0)] = f[link_layout<P>.y(End::rear, 0)] - couple * tx;
+        f[link_layout.x(End::front, 0)] = f[link_layout.x(End::front, 0)] - couple * ty;
+        f[link_layout.y(End::front, 0)] += couple * tx;
+        f[link_layout.x(End::rear, 0)] += couple * ty;
+        f[link_layout.y(End::rear, 0)] = f[link_layout.y(End::rear, 0)] - couple * tx;
     }
 
     void plates(int group, V* f) const noexcept {
@@ -213,10 +213,10 @@ protected:
             fz += slide;
             fe += xi * slide;
         }
-        f[link_layout<P>.z(End::front)] = f[link_layout<P>.z(End::front)] - fz;
-        f[link_layout<P>.e(End::front)] = f[link_layout<P>.e(End::front)] - fe;
-        f[link_layout<P>.z(End::rear)] += fz;
-        f[link_layout<P>.e(End::rear)] += fe;
+        f[link_layout.z(End::front)] = f[link_layout.z(End::front)] - fz;
+        f[link_layout.e(End::front)] = f[link_layout.e(End::front)] - fe;
+        f[link_layout.z(End::rear)] += fz;
+        f[link_layout.e(End::rear)] += fe;
     }
 
     /// Whether a tip of the links side by side touches.
@@ -230,7 +230,7 @@ protected:
     void tips(int group, V* f, V& moment, const FrictionStage& stage) const noexcept {
         const V turn = turning(group);
         for (const End end : {End::rear, End::front}) {
-            const AxisRows rows{link_layout<P>.x(end, 0), link_layout<P>.y(end, 0), link_layout<P>.z(end)};
+            const AxisRows rows{link_layout.x(end, 0), link_layout.y(end, 0), link_layout.z(end)};
             const int low = 2 * static_cast<int>(end);
             const AtTips<V> forces = Base::tip_friction(group, low, rows, turn, moment);
             Base::add_mean_tip_forces(group, low, forces, stage);
@@ -240,8 +240,8 @@ protected:
 
     /// How fast links turn.
     [[nodiscard]] V turning(int group) const noexcept {
-        const V vx = velocity(link_layout<P>.x(End::front, 0), group) - velocity(link_layout<P>.x(End::rear, 0), group);
-        const V vy = velocity(link_layout<P>.y(End::front, 0), group) - velocity(link_layout<P>.y(End::rear, 0), group);
+        const V vx = velocity(link_layout.x(End::front, 0), group) - velocity(link_layout.x(End::rear, 0), group);
+        const V vy = velocity(link_layout.y(End::front, 0), group) - velocity(link_layout.y(End::rear, 0), group);
         return (contact(ContactComponents::frame_x, group) * vy - contact(ContactComponents::frame_y, group) * vx) *
                contact(ContactComponents::inverse_length, group);
     }
@@ -262,12 +262,12 @@ protected:
 };
 
 /// Slopes of the links of a range: their joints, then the links.
-template <int P, bool AllSticking>
-void evaluate_links(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
-                    const FrictionStage& stage) noexcept {
+template <bool AllSticking>
+inline void evaluate_links(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
+                           const FrictionStage& stage) noexcept {
     const int links = range.last - range.first;
-    over_groups(0, links + 1, [&]<int W>(int group) { FrictionLanes<P, W, AllSticking>(friction, field, range).joints(group); });
-    over_groups(0, links, [&]<int W>(int group) { FrictionLanes<P, W, AllSticking>(friction, field, range).links(group, stage); });
+    over_groups(0, links + 1, [&]<int W>(int group) { FrictionLanes<W, AllSticking>(friction, field, range).joints(group); });
+    over_groups(0, links, [&]<int W>(int group) { FrictionLanes<W, AllSticking>(friction, field, range).links(group, stage); });
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ MirroredInverse<double> inverse_of(const double* rows, int size) {
     MirroredInverse<double> mirrored;
     for (int m = 0; m < size; ++m) {
         for (int k = m % 2; k < size; k += 2) {
-            const auto at = static_cast<std::size_t>(m * max_lateral + k);
+            const auto at = static_cast<std::size_t>(m * axis_terms + k);
             mirrored.sum[at] = static_cast<double>(0.5 * (inverse(m, k) + inverse(m, size + k)));
             mirrored.difference[at] = static_cast<double>(0.5 * (inverse(m, k) - inverse(m, size + k)));
         }

@@ -1,5 +1,5 @@
 #pragma once
-/// Friction as an operator on velocities, with the kernels of one order and one instruction set.
+/// Friction as an operator on velocities, with the kernels of one instruction set.
 
 #include <array>
 #include <memory>
@@ -14,7 +14,7 @@ namespace cvtflow::model {
 /// [[a, b], [b, a]] acts on the sum of both ends as a + b and on their difference as a - b; modes of even and of odd order do not couple.
 template <class Number>
 struct MirroredInverse {
-    std::array<Number, max_lateral * max_lateral> sum{}, difference{};  ///< (a ± b)/2, rows max_lateral apart; where m + k is odd: 0
+    std::array<Number, axis_terms * axis_terms> sum{}, difference{};  ///< (a ± b)/2, rows axis_terms apart; where m + k is odd: 0
 };
 
 /// Slower sliding counts as this: its square is still a float, and so is one over it [m/s].
@@ -25,11 +25,11 @@ struct FrictionNumbers {
     FrictionNumbers(const Coefficients& coefficients, const MirroredInverse<double>& lateral, const MirroredInverse<double>& axial);
 
     FrictionCurve joint, plate, tip;
-    std::shared_ptr<const TipLaw> tip_law;                                      ///< nullptr: none
-    std::array<float, max_joint_lanes> joint_position{};                        ///< ξ [1]
-    std::array<std::array<float, max_joint_lanes>, max_lateral> joint_basis{};  ///< P_m(ξ)
-    std::array<float, max_plate_lanes> plate_position{};                        ///< ξ [1]
-    MirroredInverse<float> lateral, axial;                                      ///< of x, and of y; of z and e
+    std::shared_ptr<const TipLaw> tip_law;                                     ///< nullptr: none
+    std::array<float, max_joint_lanes> joint_position{};                       ///< ξ [1]
+    std::array<std::array<float, max_joint_lanes>, axis_terms> joint_basis{};  ///< P_m(ξ)
+    std::array<float, max_plate_lanes> plate_position{};                       ///< ξ [1]
+    MirroredInverse<float> lateral, axial;                                     ///< of x, and of y; of z and e
 };
 
 class FrictionOperator;
@@ -40,7 +40,7 @@ struct FrictionPowers;  // likewise
 /// to = from + by · along, of the state of `links` links.
 using LinkAdvance = void(const double* from, const double* along, double by, double* to, int links) noexcept;
 
-/// Functions of friction, and of a step's middle and end, of one order and one instruction set.
+/// Functions of friction, and of a step's middle and end, of one instruction set.
 struct FrictionKernels {
     void (*record)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const ContactRecord&, LinkLoad*, TipSearch*) noexcept;
     using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;

@@ -128,7 +128,7 @@ struct AxisRows {
 };
 
 /// W axes side by side; velocities count from those at which contacts were recorded.
-template <int P, int W, bool AllSticking>
+template <int W, bool AllSticking>
 class FrictionTips : protected FrictionColumns<W> {
     using Base = FrictionColumns<W>;
 
@@ -142,7 +142,7 @@ protected:
     using Tip = ContactComponents::Tip;
     using Base::column, Base::velocity, Base::contact, Base::in_scratch, Base::to_scratch, Base::links_at, Base::add, Base::field_,
         Base::range_;
-    static constexpr int n = P + 1;
+    static constexpr int n = axis_terms;
 
     /// Velocities of the axis in some rows at its tips.
     [[nodiscard]] AtTips<V> tip_velocities(int group, const AxisRows& rows) const noexcept {

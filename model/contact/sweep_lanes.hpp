@@ -9,9 +9,9 @@ namespace cvtflow::model {
 namespace {
 
 /// W links side by side; column numbers count from the first link of the range.
-template <int P, int W>
-class SweepForces : protected FrictionLanes<P, W, false> {
-    using Base = FrictionLanes<P, W, false>;
+template <int W>
+class SweepForces : protected FrictionLanes<W, false> {
+    using Base = FrictionLanes<W, false>;
 
 public:
     using typename Base::V;
@@ -82,7 +82,7 @@ private:
         V sum(0.0);
         for (const End end : {End::rear, End::front}) {
             const int low = 2 * static_cast<int>(end);
-            const AtTips<V> v = Base::tip_velocities(group, {link_layout<P>.x(end, 0), link_layout<P>.y(end, 0), link_layout<P>.z(end)});
+            const AtTips<V> v = Base::tip_velocities(group, {link_layout.x(end, 0), link_layout.y(end, 0), link_layout.z(end)});
             for (const auto& [moving, corner] : {std::pair{&v.low, low}, std::pair{&v.high, low + 1}}) {
                 const AtTip<V> sliding = Base::slip(group, corner, *moving, turn), force = tip_force(group, corner);
                 sum += force.x * sliding.x + force.y * sliding.y + force.z * sliding.z;
@@ -94,17 +94,15 @@ private:
     const FloatColumns& kept_forces_;
 };
 
-template <int P>
-void sweep_powers(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const FloatColumns& kept,
-                  FrictionPowers* powers) noexcept {
-    over_groups(0, range.last - range.first,
-                [&]<int W>(int group) { SweepForces<P, W>(friction, field, range, kept).powers(group, powers); });
+inline void sweep_powers(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const FloatColumns& kept,
+                         FrictionPowers* powers) noexcept {
+    over_groups(0, range.last - range.first, [&]<int W>(int group) { SweepForces<W>(friction, field, range, kept).powers(group, powers); });
 }
 
 /// W links side by side; column numbers count from the first link of the range.
-template <int P, int W>
-class SweepLanes : private SweepForces<P, W> {
-    using Base = SweepForces<P, W>;
+template <int W>
+class SweepLanes : private SweepForces<W> {
+    using Base = SweepForces<W>;
     using Base::add_couple, Base::basis, Base::column, Base::contact, Base::to_scratch, Base::in_scratch, Base::numbers_, Base::slip,
         Base::field_, Base::velocity, Base::kept_row, Base::tip_force, Base::slip_across, Base::rows_, Base::n, Base::joint_rows;
     using typename Base::JointRates, typename Base::Joint, typename Base::Tip;
@@ -133,7 +131,7 @@ public:
     void links(int group) const noexcept {
         const bool opening = sweep_.part == SweepPart::opening, closing = sweep_.part == SweepPart::closing;
         const bool touch = !closing && Base::touching(group);
-        V f[link_layout<P>.link_size()];
+        V f[link_layout.link_size()];
         Base::add_joints(group, f);
         V moment = in_scratch(2 * n + 3, group) + in_scratch(2 * n + 2, group + 1);
         if (opening) open_link(group, touch, f, moment);
@@ -221,8 +219,8 @@ private:
             const V force = before(rows_.opening(rows_.plates() + k), group);
             put(rows_.plates() + k, group, force);
             put(rows_.plate_rate() + k, group, before(rows_.plate_rate() + k, group));
-            f[link_layout<P>.z(End::front) + k] += force;
-            f[link_layout<P>.z(End::rear) + k] = f[link_layout<P>.z(End::rear) + k] - force;
+            f[link_layout.z(End::front) + k] += force;
+            f[link_layout.z(End::rear) + k] = f[link_layout.z(End::rear) + k] - force;
         }
         for (int row = rows_.tip(0); row < rows_.forces(); ++row) put(row, group, touch ? before(rows_.opening(row), group) : V(0.0));
         if (!touch) return;
@@ -235,7 +233,7 @@ private:
 
     void add_tips(int group, End end, const AtTips<V>& forces, V* f, V& moment) const noexcept {
         const int low = 2 * static_cast<int>(end);
-        FrictionTips<P, W, false>::spread(forces, {link_layout<P>.x(end, 0), link_layout<P>.y(end, 0), link_layout<P>.z(end)}, f);
+        FrictionTips<W, false>::spread(forces, {link_layout.x(end, 0), link_layout.y(end, 0), link_layout.z(end)}, f);
         for (const auto& [force, corner] : {std::pair{&forces.low, low}, std::pair{&forces.high, low + 1}}) {
             const int row = field_.components.tip(corner);
             moment += contact(row + Tip::lever_x, group) * force->y - contact(row + Tip::lever_y, group) * force->x;
@@ -250,9 +248,9 @@ private:
 
     /// Velocities after forces have acted over the step. @param to velocities so far, or the result
     void accelerate(int group, const V* f, FloatColumns& to) const noexcept {
-        V change[link_layout<P>.link_size()];
+        V change[link_layout.link_size()];
         respond(f, change);
-        for (int row = 0; row < link_layout<P>.link_size(); ++row) {
+        for (int row = 0; row < link_layout.link_size(); ++row) {
             V v = velocity(row, group);
             if (sweep_.part == SweepPart::opening)
                 v = load<W>(sweep_.start->at(row, column(group))) + responses_.step * load<W>(sweep_.base->at(row, column(group)));
@@ -277,10 +275,10 @@ private:
         put(rows_.plates(), group, new_z);
         put(rows_.plates() + 1, group, new_e);
         const V shift = responses_.link_shift * (new_z - force_z), turn = responses_.link_tilt * (new_e - force_e);
-        add_velocity(link_layout<P>.z(End::front), group, shift);
-        add_velocity(link_layout<P>.z(End::rear), group, -shift);
-        add_velocity(link_layout<P>.e(End::front), group, turn);
-        add_velocity(link_layout<P>.e(End::rear), group, -turn);
+        add_velocity(link_layout.z(End::front), group, shift);
+        add_velocity(link_layout.z(End::rear), group, -shift);
+        add_velocity(link_layout.e(End::front), group, turn);
+        add_velocity(link_layout.e(End::rear), group, -turn);
     }
 
     /// Σ secant, Σ ξ secant, Σ ξ² secant.
@@ -308,21 +306,20 @@ private:
 
     /// All tips at the velocities that they have left each other so far.
     void solve_tips(int group) const noexcept {
-        V f[link_layout<P>.link_size()];
+        V f[link_layout.link_size()];
         for (V& row : f) row = V(0.0);
         V moment(0.0);
         const V turn = Base::turning(group);
         for (const End end : {End::rear, End::front}) {
             const int low = 2 * static_cast<int>(end);
-            const AtTips<V> velocities =
-                Base::tip_velocities(group, {link_layout<P>.x(end, 0), link_layout<P>.y(end, 0), link_layout<P>.z(end)});
+            const AtTips<V> velocities = Base::tip_velocities(group, {link_layout.x(end, 0), link_layout.y(end, 0), link_layout.z(end)});
             const AtTips<V> changes{solve_tip(group, low, velocities.low, turn), solve_tip(group, low + 1, velocities.high, turn)};
             add_tips(group, end, changes, f, moment);
         }
         add_couple(group, moment, f);
-        V change[link_layout<P>.link_size()];
+        V change[link_layout.link_size()];
         respond(f, change);
-        for (int row = 0; row < link_layout<P>.link_size(); ++row) add_velocity(row, group, responses_.step * change[row]);
+        for (int row = 0; row < link_layout.link_size(); ++row) add_velocity(row, group, responses_.step * change[row]);
     }
 
     /// With the slip u that would be there without this tip's friction, c the limit and r the response, friction is -c u/(max(|u| - r c,
@@ -373,12 +370,11 @@ private:
 };
 
 /// A pass over the links of a range: their joints, then the links.
-template <int P>
-void sweep_links(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
-                 const FrictionSweep& sweep) noexcept {
+inline void sweep_links(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
+                        const FrictionSweep& sweep) noexcept {
     const int links = range.last - range.first;
-    over_groups(0, links + 1, [&]<int W>(int group) { SweepLanes<P, W>(friction, field, range, sweep).joints(group); });
-    over_groups(0, links, [&]<int W>(int group) { SweepLanes<P, W>(friction, field, range, sweep).links(group); });
+    over_groups(0, links + 1, [&]<int W>(int group) { SweepLanes<W>(friction, field, range, sweep).joints(group); });
+    over_groups(0, links, [&]<int W>(int group) { SweepLanes<W>(friction, field, range, sweep).links(group); });
 }
 
 }  // namespace

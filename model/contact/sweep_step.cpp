@@ -23,7 +23,7 @@ struct Response {
     [[nodiscard]] double mode(int m, bool same_end, const Shares& shares) const {
         double sum = 0.0;
         for (int k = m % 2; k < size; k += 2) {
-            const auto at = static_cast<std::size_t>(m * max_lateral + k);
+            const auto at = static_cast<std::size_t>(m * axis_terms + k);
             sum += (inverse.sum[at] + (same_end ? inverse.difference[at] : -inverse.difference[at])) * shares(k);
         }
         return sum;
@@ -68,7 +68,7 @@ SweepResponses::SweepResponses(const FrictionOperator& friction, double h, doubl
     }
     joint_shift = rounded(z);
     tip = rounded(tip_margin * nominal * std::max(all_tips(lateral), all_tips(axial)));
-    const double apart_z = 2.0 * axial.inverse.difference[0], apart_e = 2.0 * axial.inverse.difference[max_lateral + 1];
+    const double apart_z = 2.0 * axial.inverse.difference[0], apart_e = 2.0 * axial.inverse.difference[axis_terms + 1];
     plate_shift = rounded(plate_margin * nominal * 2.0 * apart_z);
     plate_tilt = rounded(plate_margin * nominal * 2.0 * apart_e);
     link_shift = rounded(h * apart_z);

@@ -39,11 +39,11 @@ struct SweepResponses {
     /// @param step h [s]   @param nominal what a step takes that nothing cuts short: contacts respond as if this were its length [s]
     SweepResponses(const FrictionOperator& friction, double step, double nominal) noexcept;
 
-    float step;                                                                   ///< h [s]
-    std::array<float, max_joint_lanes> joint_across{}, joint_along{};             ///< of a point to its own force [m/s per N]
-    std::array<std::array<float, max_lateral>, max_joint_lanes> joint_lateral{};  ///< of a joint's modes to the force at a point
-    float joint_shift;                                                            ///< of its z to an axial force
-    std::array<float, max_joint_lanes> joint_tilt{};                              ///< of its e to the axial force at a point
+    float step;                                                                  ///< h [s]
+    std::array<float, max_joint_lanes> joint_across{}, joint_along{};            ///< of a point to its own force [m/s per N]
+    std::array<std::array<float, axis_terms>, max_joint_lanes> joint_lateral{};  ///< of a joint's modes to the force at a point
+    float joint_shift;                                                           ///< of its z to an axial force
+    std::array<float, max_joint_lanes> joint_tilt{};                             ///< of its e to the axial force at a point
     float tip;                      ///< of a tip to forces at all tips of its link, each as large as its own
     float plate_shift, plate_tilt;  ///< of the plates' z and e to their force and moment
     float link_shift, link_tilt;    ///< of either end's z and e to the plates' force and moment, over the present step

@@ -10,7 +10,7 @@ namespace cvtflow::model {
 namespace {
 
 struct FurtherElement {
-    template <int P, class... Given>
+    template <class... Given>
     static void of_halves(const Given&...) noexcept {}
     template <class... Given>
     static void of_rigid_pins(const Given&...) noexcept {}

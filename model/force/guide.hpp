@@ -49,11 +49,11 @@ struct GuideContact {
 
 /// Adds the guides' forces to those of links side by side: half a pin at each end. A function of its own, so that the code of machines
 /// without guides stays as it is. q [coordinates of the link], v [m/s, rad/s], f [N, N·m]
-template <int P, int W, class Books>
+template <int W, class Books>
 [[gnu::noinline]] inline void guide_force(const GuideCoefficients& g, const Lanes<W>* q, const Lanes<W>* v, Lanes<W>* f,
                                           [[maybe_unused]] Books& books) noexcept {
     for (const End end : {End::rear, End::front}) {
-        const int x = link_layout<P>.x(end, 0), y = link_layout<P>.y(end, 0);
+        const int x = link_layout.x(end, 0), y = link_layout.y(end, 0);
         const GuideContact<W> contact(g, 0.5, q[x], q[y], v[x], v[y]);
         if constexpr (Books::observed) {
             books.store(Energy::supports, contact.energy);

@@ -22,18 +22,18 @@ namespace {
 
 /// Forces of the joint of pin i. The front half of link i-1 gets `on_front` (and the moment `before` on that link),
 /// the rear half of link i gets the opposite (and the moment `after` on that link).
-template <int P, class Real = double>
+template <class Real = double>
 struct JointForce {
-    static constexpr std::size_t rows = 2 * P + 6;
-    Difference<P, Real> on_front;  ///< generalized forces [N]
-    Real before{0.0};              ///< moment about z on link i-1 [N·m]
-    Real after{0.0};               ///< moment about z on link i [N·m]
+    static constexpr std::size_t rows = 2 * axis_terms + 4;
+    Difference<Real> on_front;  ///< generalized forces [N]
+    Real before{0.0};           ///< moment about z on link i-1 [N·m]
+    Real after{0.0};            ///< moment about z on link i [N·m]
 
     /// Adds totals in the order of the members.
     void add(const Real* total) noexcept {
         on_front.add(total);
-        before += total[2 * P + 4];
-        after += total[2 * P + 5];
+        before += total[2 * axis_terms + 2];
+        after += total[2 * axis_terms + 3];
     }
 };
 
@@ -60,9 +60,9 @@ struct JointMotion {
 };
 
 /// @param points an AxisPoint of joints side by side, or all points of one joint (bench/staged/one_link.hpp)
-template <int P, int W, class Real, class Points>
+template <int W, class Real, class Points>
 [[nodiscard]] inline JointMotion<W> joint_motion(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
-                                                 const Difference<P, Real>& gap, const Difference<P, Real>& rate) noexcept {
+                                                 const Difference<Real>& gap, const Difference<Real>& rate) noexcept {
     using V = Lanes<W>;
     const LinkFrameOf<Real>& before = frames.before;
     const LinkFrameOf<Real>& after = frames.after;
@@ -114,8 +114,8 @@ template <int W>
 }
 
 /// Contribution of each lane to a joint's force, in the order of its members.
-template <int P, int W>
-using JointTerms = std::array<Lanes<W>, JointForce<P>::rows>;
+template <int W>
+using JointTerms = std::array<Lanes<W>, JointForce<>::rows>;
 
 /// Pressing of the rolling contact.
 template <int W>
@@ -150,26 +150,25 @@ template <int W>
 }
 
 /// Contributions of the normal force and friction of a rolling contact. @param friction_per_speed as of RollingForces, or Zero
-template <int P, int W, class Real, class Points, class Friction>
-[[nodiscard, gnu::always_inline]] inline JointTerms<P, W> rolling_terms(const JointCoefficients& j, const JointFrames<Real>& frames,
-                                                                        const Points& points, const JointMotion<W>& m,
-                                                                        const Lanes<W>& normal,
-                                                                        const Friction& friction_per_speed) noexcept {
+template <int W, class Real, class Points, class Friction>
+[[nodiscard, gnu::always_inline]] inline JointTerms<W> rolling_terms(const JointCoefficients& j, const JointFrames<Real>& frames,
+                                                                     const Points& points, const JointMotion<W>& m, const Lanes<W>& normal,
+                                                                     const Friction& friction_per_speed) noexcept {
     const auto tangential = -friction_per_speed * m.slip;
-    JointTerms<P, W> terms;
+    JointTerms<W> terms;
     points.spread(normal * m.nx - tangential * m.ny, normal * m.ny + tangential * m.nx, number<Lanes<W>>(-friction_per_speed * m.axial),
                   terms.data());
     const Lanes<W> leaning = j.arm * normal;
-    terms[2 * P + 4] = leaning * (frames.before.tx * m.ny - frames.before.ty * m.nx) + tangential * m.lever_before;
-    terms[2 * P + 5] = leaning * (frames.after.tx * m.ny - frames.after.ty * m.nx) + tangential * m.lever_after;
+    terms[2 * axis_terms + 2] = leaning * (frames.before.tx * m.ny - frames.before.ty * m.nx) + tangential * m.lever_before;
+    terms[2 * axis_terms + 3] = leaning * (frames.after.tx * m.ny - frames.after.ty * m.nx) + tangential * m.lever_after;
     return terms;
 }
 
 /// Rolling contact: normal force and friction.
-template <int P, int W, class Real, class Points, class Books>
-[[nodiscard]] inline JointTerms<P, W> rolling_contact_force(const JointCoefficients& j, const JointFrames<Real>& frames,
-                                                            const Points& points, const Lanes<W>& weight, const JointMotion<W>& m,
-                                                            [[maybe_unused]] Books& books) noexcept {
+template <int W, class Real, class Points, class Books>
+[[nodiscard]] inline JointTerms<W> rolling_contact_force(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
+                                                         const Lanes<W>& weight, const JointMotion<W>& m,
+                                                         [[maybe_unused]] Books& books) noexcept {
     const auto [pressing, square, friction_per_speed] = rolling_forces<W>(j, weight, m);
     if constexpr (Books::observed) {
         const auto& [contact, closing, normal] = pressing;
@@ -177,7 +176,7 @@ template <int P, int W, class Real, class Points, class Books>
         books.lose(Loss::joint_damping, (normal - contact.elastic) * closing);
         books.lose(Loss::joint_friction, friction_per_speed * square);
     }
-    return rolling_terms<P, W>(j, frames, points, m, pressing.normal, friction_per_speed);
+    return rolling_terms<W>(j, frames, points, m, pressing.normal, friction_per_speed);
 }
 
 /// How far the square of the transverse offset of the arc centres exceeds that of the clearance, times |t₋ + t₊|².
@@ -190,10 +189,10 @@ template <int W, class Real>
 }
 
 /// Clearance of the plate opening: holds the transverse offset of the arc centres against the bisector.
-template <int P, int W, class Real, class Points, class Books>
-[[nodiscard]] inline JointTerms<P, W> clearance_force(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
-                                                      const Lanes<W>& weight, const JointMotion<W>& m,
-                                                      [[maybe_unused]] Books& books) noexcept {
+template <int W, class Real, class Points, class Books>
+[[nodiscard]] inline JointTerms<W> clearance_force(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
+                                                   const Lanes<W>& weight, const JointMotion<W>& m,
+                                                   [[maybe_unused]] Books& books) noexcept {
     using V = Lanes<W>;
     using std::sqrt;
     const Real inverse = 1.0 / sqrt(frames.sx * frames.sx + frames.sy * frames.sy), bx = frames.sx * inverse, by = frames.sy * inverse;
@@ -204,10 +203,10 @@ template <int P, int W, class Real, class Points, class Books>
     const V sign = select_greater<W>(V(0.0), across, V(-1.0), V(1.0));
     const V spring = j.clearance_stiffness * weight * offset;
     const V force = spring * positive_part<W>(1.0 + j.clearance_damping * sign * offset_rate);
-    JointTerms<P, W> terms;
+    JointTerms<W> terms;
     points.spread(force * by, -force * bx, V(0.0), terms.data());
-    terms[2 * P + 4] = -force * (j.arm * (frames.before.tx * bx + frames.before.ty * by) - 0.5 * along);
-    terms[2 * P + 5] = -force * (j.arm * (frames.after.tx * bx + frames.after.ty * by) - 0.5 * along);
+    terms[2 * axis_terms + 2] = -force * (j.arm * (frames.before.tx * bx + frames.before.ty * by) - 0.5 * along);
+    terms[2 * axis_terms + 3] = -force * (j.arm * (frames.after.tx * bx + frames.after.ty * by) - 0.5 * along);
     if constexpr (Books::observed) {
         books.store(Energy::joints, spring * offset, 0.5);
         books.lose(Loss::joint_damping, (force - spring) * offset_rate);

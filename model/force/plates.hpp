@@ -28,11 +28,11 @@ struct PlateStretch {
 };
 
 /// @param stiffness, damping Lanes<W> over plates, or numbers of the one plate
-template <int P, int W, class Real, class Points, class Number>
+template <int W, class Real, class Points, class Number>
 [[nodiscard, gnu::always_inline]] inline PlateStretch<W> plate_stretch(const Coefficients& c, const Real& free_length,
                                                                        const Points& at_plates, const Number& stiffness,
-                                                                       const Number& damping, const Difference<P, Real>& d,
-                                                                       const Difference<P, Real>& rate) noexcept {
+                                                                       const Number& damping, const Difference<Real>& d,
+                                                                       const Difference<Real>& rate) noexcept {
     using V = Lanes<W>;
     PlateStretch<W> s;
     s.dx = at_plates.along(d.x), s.dy = at_plates.along(d.y), s.dz = d.z + at_plates.xi * d.e;
@@ -57,42 +57,44 @@ template <int W>
 }
 
 /// Behind the terms of a force, where observed: stored energy, power lost to damping and to friction.
-template <int P, class Books>
-inline constexpr std::size_t plate_rows = 2 * P + 4 + (Books::observed ? 3 : 0);
+template <class Books>
+inline constexpr std::size_t plate_rows = 2 * axis_terms + 2 + (Books::observed ? 3 : 0);
 
 /// Sums of those rows, the three behind the force. totals [plate_rows]
-template <int P, class Real, class Books>
+template <class Real, class Books>
 inline void book_plates(const Real* totals, Books& books) noexcept {
-    books.store(Energy::plates, totals[2 * P + 4], 0.5);
-    books.lose(Loss::plate_damping, totals[2 * P + 5]);
-    books.lose(Loss::plate_friction, totals[2 * P + 6]);
+    books.store(Energy::plates, totals[2 * axis_terms + 2], 0.5);
+    books.lose(Loss::plate_damping, totals[2 * axis_terms + 3]);
+    books.lose(Loss::plate_friction, totals[2 * axis_terms + 4]);
 }
 
 /// Contributions of W plates of a link, or of one plate of W links, to the force on the front half, in the order of Difference.
 /// @param slide plate_slide(), or Zero
-template <int P, int W, class Books, class Points, class Number, class Slide>
-[[nodiscard, gnu::always_inline]] inline std::array<Lanes<W>, plate_rows<P, Books>> plate_terms(
-    const Points& at_plates, const Number& stiffness, const Number& damping, const PlateStretch<W>& s, const Slide& slide) noexcept {
+template <int W, class Books, class Points, class Number, class Slide>
+[[nodiscard, gnu::always_inline]] inline std::array<Lanes<W>, plate_rows<Books>> plate_terms(const Points& at_plates,
+                                                                                             const Number& stiffness, const Number& damping,
+                                                                                             const PlateStretch<W>& s,
+                                                                                             const Slide& slide) noexcept {
     const Lanes<W> along = s.tension * s.inverse_length;
-    std::array<Lanes<W>, plate_rows<P, Books>> terms;
+    std::array<Lanes<W>, plate_rows<Books>> terms;
     at_plates.spread(-along * s.dx, -along * s.dy, -along * s.dz - slide, terms.data());
     if constexpr (Books::observed) {
-        terms[2 * P + 4] = stiffness * s.stretch * s.stretch;
-        terms[2 * P + 5] = damping * s.stretching * s.stretching;
-        terms[2 * P + 6] = slide * s.vz;
+        terms[2 * axis_terms + 2] = stiffness * s.stretch * s.stretch;
+        terms[2 * axis_terms + 3] = damping * s.stretching * s.stretching;
+        terms[2 * axis_terms + 4] = slide * s.vz;
     }
     return terms;
 }
 
 /// Sum of the plates' elastic tensions.
-template <int P, class Kind, class Real>
+template <class Kind, class Real>
 [[nodiscard]] inline Real elastic_tension(const Coefficients& c, const Kind& kind, const Real* q) noexcept {
     using std::sqrt;
-    const Difference<P, Real> d(q, End::front, q, End::rear);
+    const Difference<Real> d(q, End::front, q, End::rear);
     Real tension(0.0);
     for (std::size_t j = 0; j < static_cast<std::size_t>(c.plates.count); ++j) {
         Real dx(0.0), dy(0.0);
-        for (int m = 0; m <= P; ++m) {
+        for (int m = 0; m < axis_terms; ++m) {
             dx += d.x[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
             dy += d.y[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
         }

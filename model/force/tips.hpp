@@ -37,37 +37,24 @@ struct OneTip {
 };
 
 /// Coefficient m of both halves; c points at the rear half's m = 0, the front half's follow.
-template <int P, class Corner>
+template <class Corner>
 [[nodiscard]] inline typename Corner::Tips coefficient(const Corner& at_tips, const typename Corner::Real* c, int m) noexcept {
-    return at_tips.by_end(c[m], c[P + 1 + m]);
+    return at_tips.by_end(c[m], c[axis_terms + m]);
 }
 
 /// Σ c_m P_m(±1) of both halves: P_m(±1) = (±1)^m.
-template <int P, class Corner>
+template <class Corner>
 [[nodiscard]] inline typename Corner::Tips end_values(const Corner& at_tips, const typename Corner::Real* c) noexcept {
     using Tips = typename Corner::Tips;
-    Tips even = coefficient<P>(at_tips, c, 0);
-    if constexpr (P == 0) {
-        return even;
-    } else {
-        Tips odd = coefficient<P>(at_tips, c, 1);
-        if constexpr (P >= 2) even += coefficient<P>(at_tips, c, 2);
-        if constexpr (P >= 3) odd += coefficient<P>(at_tips, c, 3);
-        return even + at_tips.by_side(-1.0, 1.0) * odd;
-    }
+    const Tips even = coefficient(at_tips, c, 0) + coefficient(at_tips, c, 2),
+               odd = coefficient(at_tips, c, 1) + coefficient(at_tips, c, 3);
+    return even + at_tips.by_side(-1.0, 1.0) * odd;
 }
 
 /// Σ c_m P_m'(±1) of both halves: P_m'(±1) = (±1)^(m+1) m (m+1)/2.
-template <int P, class Corner>
-[[nodiscard]] inline auto end_slopes(const Corner& at_tips, const typename Corner::Real* c) noexcept {
-    if constexpr (P == 0) {
-        return Zero{};
-    } else {
-        typename Corner::Tips slope = coefficient<P>(at_tips, c, 1);
-        if constexpr (P >= 3) slope += 6.0 * coefficient<P>(at_tips, c, 3);
-        if constexpr (P >= 2) slope += at_tips.by_side(-3.0, 3.0) * coefficient<P>(at_tips, c, 2);
-        return slope;
-    }
+template <class Corner>
+[[nodiscard]] inline typename Corner::Tips end_slopes(const Corner& at_tips, const typename Corner::Real* c) noexcept {
+    return coefficient(at_tips, c, 1) + 6.0 * coefficient(at_tips, c, 3) + at_tips.by_side(-3.0, 3.0) * coefficient(at_tips, c, 2);
 }
 
 template <class Tips>
@@ -112,37 +99,36 @@ template <class Corner, class Sheave>
     return {{of(&Sheave::x), {}, of(&Sheave::z)}, {}, {}, {{}, {}, of(&Sheave::vz)}, {{}, {}, of(&Sheave::spin_z)}};
 }
 
-/// Positions of contact: everything that depends on the coordinates alone. At order 0 pins do not tilt.
-template <int P, class Tips>
+/// Positions of contact: everything that depends on the coordinates alone.
+template <class Tips>
 struct TipGeometry {
-    using Slope = std::conditional_t<P == 0, Zero, Tips>;
-    Tips side;               ///< s = ±1
-    Vector3<Tips> end;       ///< E
-    Vector3<Tips> offset;    ///< S - E
-    Slope slope_x, slope_y;  ///< σ_s
-    Slope tilt;              ///< σ_s·o
-    Vector3<Tips> arm;       ///< r = S - O
-    Vector3<Tips> local;     ///< ν, in the sheave's frame
-    Vector3<Tips> normal;    ///< G, in space
-    Tips depth;              ///< δ [m], negative: gap
+    Tips side;              ///< s = ±1
+    Vector3<Tips> end;      ///< E
+    Vector3<Tips> offset;   ///< S - E
+    Tips slope_x, slope_y;  ///< σ_s
+    Tips tilt;              ///< σ_s·o
+    Vector3<Tips> arm;      ///< r = S - O
+    Vector3<Tips> local;    ///< ν, in the sheave's frame
+    Vector3<Tips> normal;   ///< G, in space
+    Tips depth;             ///< δ [m], negative: gap
 };
 
 /// Sphere centre of every tip, without the sheave.
-template <int P, class Corner>
+template <class Corner>
 [[gnu::always_inline]] inline void place_spheres(const Coefficients& c, const Corner& at_tips,
                                                  const LinkFrameOf<typename Corner::Real>& frame, const typename Corner::Real* q,
-                                                 TipGeometry<P, typename Corner::Tips>& g) noexcept {
+                                                 TipGeometry<typename Corner::Tips>& g) noexcept {
     using Tips = typename Corner::Tips;
     using Real = typename Corner::Real;
     const auto& tip = c.tip;
     const Real ox = frame.ty, oy = -frame.tx;
     g.side = at_tips.by_side(-1.0, 1.0);
-    g.end.x = end_values<P>(at_tips, q);
-    g.end.y = end_values<P>(at_tips, q + 2 * (P + 1));
-    g.end.z = at_tips.by_end(q[link_layout<P>.z(End::rear)], q[link_layout<P>.z(End::front)]) +
-              g.side * (c.half_length + at_tips.by_end(q[link_layout<P>.e(End::rear)], q[link_layout<P>.e(End::front)]));
-    g.slope_x = c.slope_scale * end_slopes<P>(at_tips, q);
-    g.slope_y = c.slope_scale * end_slopes<P>(at_tips, q + 2 * (P + 1));
+    g.end.x = end_values(at_tips, q);
+    g.end.y = end_values(at_tips, q + 2 * axis_terms);
+    g.end.z = at_tips.by_end(q[link_layout.z(End::rear)], q[link_layout.z(End::front)]) +
+              g.side * (c.half_length + at_tips.by_end(q[link_layout.e(End::rear)], q[link_layout.e(End::front)]));
+    g.slope_x = c.slope_scale * end_slopes(at_tips, q);
+    g.slope_y = c.slope_scale * end_slopes(at_tips, q + 2 * axis_terms);
     g.tilt = g.slope_x * ox + g.slope_y * oy;
     const Tips sideways = (tip.radius * tip.cosine) * g.side;
     const double outward = tip.radius * tip.sine;
@@ -150,14 +136,14 @@ template <int P, class Corner>
 }
 
 /// Geometry of tips against the sheaves of their pulley.
-template <int P, class Corner, class Sheaves>
-[[nodiscard, gnu::always_inline]] inline TipGeometry<P, typename Corner::Tips> tip_geometry(const Coefficients& c, const Corner& at_tips,
-                                                                                            const LinkFrameOf<typename Corner::Real>& frame,
-                                                                                            const typename Corner::Real* q,
-                                                                                            const Sheaves& o) noexcept {
+template <class Corner, class Sheaves>
+[[nodiscard, gnu::always_inline]] inline TipGeometry<typename Corner::Tips> tip_geometry(const Coefficients& c, const Corner& at_tips,
+                                                                                         const LinkFrameOf<typename Corner::Real>& frame,
+                                                                                         const typename Corner::Real* q,
+                                                                                         const Sheaves& o) noexcept {
     using Tips = typename Corner::Tips;
-    TipGeometry<P, Tips> g;
-    place_spheres<P>(c, at_tips, frame, q, g);
+    TipGeometry<Tips> g;
+    place_spheres(c, at_tips, frame, q, g);
     g.arm = {g.end.x + g.offset.x - o.position.x, g.end.y + g.offset.y - o.position.y, g.end.z + g.offset.z - o.position.z};
     const Vector3<Tips>& r = g.arm;
     const Tips lx = r.x - o.tilt_y * r.z;
@@ -189,19 +175,20 @@ struct TipMotion {
     Vector3<Tips> sheave_arm;  ///< r_P = P - O [m]
 };
 
-template <int P, class Corner, class Sheaves>
-[[nodiscard, gnu::always_inline]] inline TipMotion<typename Corner::Tips> tip_motion(
-    const Coefficients& c, const Corner& at_tips, const LinkFrameOf<typename Corner::Real>& frame, const typename Corner::Real* v,
-    const Sheaves& o, const TipGeometry<P, typename Corner::Tips>& g) noexcept {
+template <class Corner, class Sheaves>
+[[nodiscard, gnu::always_inline]] inline TipMotion<typename Corner::Tips> tip_motion(const Coefficients& c, const Corner& at_tips,
+                                                                                     const LinkFrameOf<typename Corner::Real>& frame,
+                                                                                     const typename Corner::Real* v, const Sheaves& o,
+                                                                                     const TipGeometry<typename Corner::Tips>& g) noexcept {
     using Tips = typename Corner::Tips;
     TipMotion<Tips> m;
     const double outward = c.tip.radius * c.tip.sine;
     const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
     const auto& w = frame.turning;
-    const Tips ex = end_values<P>(at_tips, v), ey = end_values<P>(at_tips, v + 2 * (P + 1));
-    const Tips ez = at_tips.by_end(v[link_layout<P>.z(End::rear)], v[link_layout<P>.z(End::front)]) +
-                    g.side * at_tips.by_end(v[link_layout<P>.e(End::rear)], v[link_layout<P>.e(End::front)]);
-    const auto slope_x = c.slope_scale * end_slopes<P>(at_tips, v), slope_y = c.slope_scale * end_slopes<P>(at_tips, v + 2 * (P + 1));
+    const Tips ex = end_values(at_tips, v), ey = end_values(at_tips, v + 2 * axis_terms);
+    const Tips ez = at_tips.by_end(v[link_layout.z(End::rear)], v[link_layout.z(End::front)]) +
+                    g.side * at_tips.by_end(v[link_layout.e(End::rear)], v[link_layout.e(End::front)]);
+    const auto slope_x = c.slope_scale * end_slopes(at_tips, v), slope_y = c.slope_scale * end_slopes(at_tips, v + 2 * axis_terms);
     const auto tilting = slope_x * frame.ty - slope_y * frame.tx + w * (g.slope_x * frame.tx + g.slope_y * frame.ty);
     const auto& [ux, uy, uz] = o.velocity;
     const auto& [wx, wy, wz] = o.spin;
@@ -275,8 +262,8 @@ struct TipPressing {
 };
 
 /// @param touching 1 or 0
-template <int W, int P>
-[[nodiscard, gnu::always_inline]] inline TipPressing<W> tip_pressing(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g,
+template <int W>
+[[nodiscard, gnu::always_inline]] inline TipPressing<W> tip_pressing(const TipCoefficients& tip, const TipGeometry<Lanes<W>>& g,
                                                                      const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching) noexcept {
     TipPressing<W> p;
     p.depth = touching * positive_part<W>(g.depth);
@@ -286,8 +273,8 @@ template <int W, int P>
 }
 
 /// @param touching 1 or 0
-template <int W, int P, class Books>
-[[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g,
+template <int W, class Books>
+[[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<Lanes<W>>& g,
                                                                         const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching,
                                                                         const PhaseLanes& phases, [[maybe_unused]] Books& books) noexcept {
     using Tips = Lanes<W>;
@@ -311,9 +298,9 @@ struct TipAction {
     Tips moment;
 };
 
-template <int P, class Real, class Tips, class Friction>
+template <class Real, class Tips, class Friction>
 [[nodiscard, gnu::always_inline]] inline TipAction<Tips> tip_action(const Coefficients& c, const LinkFrameOf<Real>& frame,
-                                                                    const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
+                                                                    const TipGeometry<Tips>& g, const TipMotion<Tips>& motion,
                                                                     const TipForces<Tips, Friction>& t) noexcept {
     const double outward = c.tip.radius * c.tip.sine;
     const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
@@ -327,23 +314,23 @@ template <int P, class Real, class Tips, class Friction>
 }
 
 /// Forces and tilting of the two tips of a half (side -, side +) brought to its lateral coordinates.
-template <int P, class Real>
+template <class Real>
 inline void spread_end(const Real& minus, const Real& plus, const Real& tilt_minus, const Real& tilt_plus, Real* f) noexcept {
     const Real even = minus + plus, odd = plus - minus;
-    for (int m = 0; m <= P; ++m) f[m] += m % 2 == 0 ? even : odd;
+    for (int m = 0; m < axis_terms; ++m) f[m] += m % 2 == 0 ? even : odd;
     const Real tilt_even = tilt_minus + tilt_plus, tilt_odd = tilt_plus - tilt_minus;
-    if constexpr (P >= 1) f[1] += tilt_even;
-    if constexpr (P >= 2) f[2] += 3.0 * tilt_odd;
-    if constexpr (P >= 3) f[3] += 6.0 * tilt_even;
+    f[1] += tilt_even;
+    f[2] += 3.0 * tilt_odd;
+    f[3] += 6.0 * tilt_even;
 }
 
 /// The tips' moments on all coordinates of a half.
-template <int P, class Real>
+template <class Real>
 inline void load_end(End end, const TipAction<Real>& minus, const TipAction<Real>& plus, Real* f) noexcept {
-    spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + link_layout<P>.x(end, 0));
-    spread_end<P>(minus.total.y, plus.total.y, minus.tilt_y, plus.tilt_y, f + link_layout<P>.y(end, 0));
-    f[link_layout<P>.z(end)] += minus.total.z + plus.total.z;
-    f[link_layout<P>.e(end)] += plus.total.z - minus.total.z;
+    spread_end(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + link_layout.x(end, 0));
+    spread_end(minus.total.y, plus.total.y, minus.tilt_y, plus.tilt_y, f + link_layout.y(end, 0));
+    f[link_layout.z(end)] += minus.total.z + plus.total.z;
+    f[link_layout.e(end)] += plus.total.z - minus.total.z;
 }
 
 /// Reaction of each tip on its sheave: force and generalized moments.
@@ -352,8 +339,8 @@ struct TipReaction {
     Vector3<Tips> force, moment;
 };
 
-template <int P, class Tips, class Friction>
-[[nodiscard, gnu::always_inline]] inline TipReaction<Tips> tip_reaction(const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
+template <class Tips, class Friction>
+[[nodiscard, gnu::always_inline]] inline TipReaction<Tips> tip_reaction(const TipGeometry<Tips>& g, const TipMotion<Tips>& motion,
                                                                         const TipForces<Tips, Friction>& t) noexcept {
     const Vector3<Tips>& p = motion.sheave_arm;
     const Vector3<Tips>& r = g.arm;

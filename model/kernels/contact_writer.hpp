@@ -51,7 +51,7 @@ private:
 };
 
 /// Groups of W links; `group` counts from the range's first, `count` of the lanes represent links. Lanes outside the range are left out.
-template <int P, int W>
+template <int W>
 class ContactWriter {
 public:
     using V = Lanes<W>;
@@ -91,7 +91,7 @@ public:
     }
 
     /// How fast the gap of a joint opens, and that between the pins of a link.
-    void gaps(const Rows& to, int row, const Difference<P, V>& rate) const noexcept {
+    void gaps(const Rows& to, int row, const Difference<V>& rate) const noexcept {
         to.put(row, rate.z);
         to.put(row + 1, rate.e);
     }
@@ -131,12 +131,12 @@ public:
     /// Accelerations of a group, rows of the coordinates.
     void accelerations(int group, int count, const V* rows) const noexcept {
         const Rows to = rows_of(to_.frictionless, group, count);
-        for (int row = 0; row < link_layout<P>.link_size(); ++row) to.put(row, rows[row]);
+        for (int row = 0; row < link_layout.link_size(); ++row) to.put(row, rows[row]);
     }
 
     /// Velocities at the step's beginning, counted from those passed over. @param v of these, rows of the coordinates
     void velocities(int group, int count, const V* v) const noexcept {
-        constexpr int size = link_layout<P>.link_size(), block = 2 * size;
+        constexpr int size = link_layout.link_size(), block = 2 * size;
         constexpr int rows = (size + W - 1) / W * W;  // the last of a block: velocities, and some coordinates before them
         std::array<const double*, W> from;
         for (int lane = 0; lane < W; ++lane)

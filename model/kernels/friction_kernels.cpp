@@ -9,25 +9,20 @@ namespace cvtflow::model {
 
 namespace {
 
-template <int P>
 void record(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const ContactRecord& to, LinkLoad* loads,
             TipSearch* search) noexcept {
     const ChainModel& chain = friction.chain();
-    using Contacts = ContactWriter<P, native_lanes>;
+    using Contacts = ContactWriter<native_lanes>;
     const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), to, search);
-    LanePass<P, native_lanes, Contacts>(chain, friction.frictionless(), range, loads, contacts).run();
+    LanePass<native_lanes, Contacts>(chain, friction.frictionless(), range, loads, contacts).run();
     contacts.repeat(chain.layout().links);
 }
 
 }  // namespace
 
 template <>
-FrictionKernels friction_kernels<compiled_isa>(int order) noexcept {
-    return of_order(order, []<int P>() -> FrictionKernels {
-        return {
-            record<P>, evaluate_links<P, false>, evaluate_links<P, true>, sweep_links<P>, sweep_powers<P>, end_links<P>, advance_links<P>,
-            react};
-    });
+FrictionKernels friction_kernels<compiled_isa>() noexcept {
+    return {record, evaluate_links<false>, evaluate_links<true>, sweep_links, sweep_powers, end_links, advance_links, react};
 }
 
 }  // namespace cvtflow::model

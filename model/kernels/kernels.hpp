@@ -9,23 +9,23 @@
 
 namespace cvtflow::model {
 
-/// Functions of one order and one instruction set.
+/// Functions of one instruction set.
 struct Kernels {
     ChainKernels chain;
     FrictionKernels friction;
 };
-struct RigidKernels;  // of rigid pins, which have no order
+struct RigidKernels;  // of rigid pins
 
-/// Specialised in native_kernels.cpp, which is compiled once per instruction set. @param order p, 0 … 3
+/// Specialised in native_kernels.cpp, which is compiled once per instruction set.
 template <Isa isa>
-Kernels native_kernels(int order) noexcept;
+Kernels native_kernels() noexcept;
 /// Specialised in rigid_kernels.cpp, likewise.
 template <Isa isa>
 RigidKernels rigid_kernels() noexcept;
 
 struct CompiledKernels {
     Isa isa;
-    Kernels (*of_order)(int order) noexcept;
+    Kernels (*halves)() noexcept;
     RigidKernels (*rigid)() noexcept;
 };
 /// Whatever this program contains, ascending. The build writes this list (compiled_kernels.cpp.in).

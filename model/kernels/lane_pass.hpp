@@ -16,14 +16,14 @@ namespace {
 
 /// `group` counts links from the range's first, and the pins behind them.
 /// @tparam Contacts NoContacts, ObservationWriter, or ContactWriter: then accelerations go there instead of slopes
-template <int P, int W, class Contacts = NoContacts>
+template <int W, class Contacts = NoContacts>
 class LanePass {
 public:
     using V = Lanes<W>;
-    using Columns = LinkColumns<P, W>;
-    using Joints = JointForce<P, V>;
-    static constexpr int size = link_layout<P>.link_size();
-    static constexpr int block = link_layout<P>.link_block();
+    using Columns = LinkColumns<W>;
+    using Joints = JointForce<V>;
+    static constexpr int size = link_layout.link_size();
+    static constexpr int block = link_layout.link_block();
     using Books = typename Contacts::Books;
     static constexpr bool observed = Books::observed;
 
@@ -70,7 +70,7 @@ public:
         for (int lane = 0; lane < W; ++lane)
             from[static_cast<std::size_t>(lane)] = range_.window + std::clamp(group + lane + 1, 0, links_ + 1) * block;
         load_rows<W, block>(from, columns.state.data());
-        columns.frame = link_frame<P>(columns.q(), columns.v());
+        columns.frame = link_frame(columns.q(), columns.v());
     }
 
     /// Joints of the pins behind the links `here`, the first of which is `group`.
@@ -84,16 +84,16 @@ public:
         Books books;
         typename Contacts::PointBooks of_point;
         const auto pressed = [&](int point) noexcept {
-            const AxisPoint<P, W> at_point(points, point);
+            const AxisPoint<W> at_point(points, point);
             const V weight(points.weight[static_cast<std::size_t>(point)]);
-            const auto motion = joint_motion<P, W>(c_.joint, pins.frames, at_point, pins.gap, pins.rate);
+            const auto motion = joint_motion<W>(c_.joint, pins.frames, at_point, pins.gap, pins.rate);
             worst = larger<W>(beyond_clearance<W>(c_.joint, pins.frames, motion), worst);
             if constexpr (Contacts::recorded) {
                 const V normal = normal_force<W>(c_.joint, weight, motion).normal;
                 contacts_.joint(rows, point, motion, normal);
-                return rolling_terms<P, W>(c_.joint, pins.frames, at_point, motion, normal, Zero{});
+                return rolling_terms<W>(c_.joint, pins.frames, at_point, motion, normal, Zero{});
             } else {
-                return with_books(rolling_contact_force<P, W>(c_.joint, pins.frames, at_point, weight, motion, of_point), of_point);
+                return with_books(rolling_contact_force<W>(c_.joint, pins.frames, at_point, weight, motion, of_point), of_point);
             }
         };
         pairwise_sum<W>(points.count, points.width, pressed, total);
@@ -108,8 +108,8 @@ public:
     /// Elasticity inside the links. Adds to f; returns moments about z.
     [[nodiscard]] V inner(const KindLanes<W>& kind, int group, int count, const Columns& columns, V* f,
                           [[maybe_unused]] Books& books) const noexcept {
-        const V moment = inner_elasticity<P>(c_, kind, columns.frame, columns.q(), columns.v(), f, books);
-        if (!c_.longer.empty()) add_lengths<P>(c_, lengths(group, count), columns.q(), f, books);
+        const V moment = inner_elasticity(c_, kind, columns.frame, columns.q(), columns.v(), f, books);
+        if (!c_.longer.empty()) add_lengths(c_, lengths(group, count), columns.q(), f, books);
         return moment;
     }
 
@@ -117,15 +117,15 @@ public:
         const int first = range_.first + group;
         // An eccentric sheave also moves across its axis, and where forces are observed, those that nothing yields to are, too.
         if (!observed && (c_.layout.pulley_size | static_cast<int>(c_.eccentric)) == 4) {
-            LaneTips<P, W, true, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + group);
+            LaneTips<W, true, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + group);
         } else {
-            LaneTips<P, W, false, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + group);
+            LaneTips<W, false, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + group);
         }
     }
 
     /// Slopes of links group … from their forces, which are lost.
     void solve(int group, int count, V* f) const noexcept {
-        accelerate<P>(model_.inertia(), f);
+        accelerate(model_.inertia(), f);
         if constexpr (Contacts::recorded) return contacts_.accelerations(group, count, f);
         std::array<double*, W> to;
         for (int lane = 0; lane < count; ++lane) {
@@ -147,7 +147,7 @@ public:
         plates(kind, columns, f.data(), books, group, count);
         if constexpr (observed) {
             contacts_.book(AccountPart::link, group, count, books);
-            contacts_.tension(group, count, elastic_tension<P>(c_, kind, columns.q()));
+            contacts_.tension(group, count, elastic_tension(c_, kind, columns.q()));
         }
         if constexpr (Contacts::recorded) contacts_.frame(group, count, columns.frame);
         if constexpr (Contacts::recorded) contacts_.velocities(group, count, columns.v());
@@ -155,7 +155,7 @@ public:
         add_front(rear, next, f.data());
         moment += rear.after + after(rear.before, next.before);
         tips(group, count, columns, f.data(), moment, loads_);
-        add_moment<P>(columns.frame, moment, f.data());
+        add_moment(columns.frame, moment, f.data());
         solve(group, count, f.data());
     }
 
@@ -185,27 +185,27 @@ public:
 
     void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] Books& books, [[maybe_unused]] int group = 0,
                 [[maybe_unused]] int count = 0) const noexcept {
-        const Difference<P, V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
+        const Difference<V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
         const auto& points = c_.plates;
         [[maybe_unused]] const auto rows = contacts_.rows(group, count);
         if constexpr (Contacts::recorded) contacts_.gaps(rows, contacts_.components().plate_gap(), rate);
-        Difference<P, V> pull;
+        Difference<V> pull;
         for (int first = 0; first < points.count; first += points.width) {
             const auto pulled = [&](int plate) noexcept {
                 const std::size_t j = static_cast<std::size_t>(first + plate);
-                const AxisPoint<P, W> place(points, first + plate);
-                const auto stretch = plate_stretch<P, W>(c_, kind.free_length, place, points.weight[j], points.damping[j], d, rate);
+                const AxisPoint<W> place(points, first + plate);
+                const auto stretch = plate_stretch<W>(c_, kind.free_length, place, points.weight[j], points.damping[j], d, rate);
                 if constexpr (Contacts::recorded) {
                     contacts_.plate(rows, first + plate, stretch.tension);
-                    return plate_terms<P, W, Books>(place, points.weight[j], points.damping[j], stretch, Zero{});
+                    return plate_terms<W, Books>(place, points.weight[j], points.damping[j], stretch, Zero{});
                 } else {
-                    return plate_terms<P, W, Books>(place, points.weight[j], points.damping[j], stretch, plate_slide(c_, stretch));
+                    return plate_terms<W, Books>(place, points.weight[j], points.damping[j], stretch, plate_slide(c_, stretch));
                 }
             };
-            std::array<V, plate_rows<P, Books>> total;
+            std::array<V, plate_rows<Books>> total;
             pairwise_sum<W>(std::min(points.width, points.count - first), points.width, pulled, total);
             pull.add(total.data());
-            if constexpr (observed) book_plates<P>(total.data(), books);
+            if constexpr (observed) book_plates(total.data(), books);
         }
         pull.apply(1.0, f, End::front);
         pull.apply(-1.0, f, End::rear);
@@ -215,7 +215,7 @@ private:
     /// Terms of a joint's point, with its energy and losses behind them where observed.
     using PointTerms = std::array<V, Joints::rows + (observed ? ContactBooks<W>::numbers : 0)>;
 
-    [[nodiscard, gnu::always_inline]] static PointTerms with_books(const JointTerms<P, W>& terms,
+    [[nodiscard, gnu::always_inline]] static PointTerms with_books(const JointTerms<W>& terms,
                                                                    [[maybe_unused]] const typename Contacts::PointBooks& books) noexcept {
         if constexpr (!observed) {
             return terms;
@@ -232,7 +232,7 @@ private:
     /// The links that meet in joints side by side, and how the front halves lie and move against the rear halves.
     struct JointPlace {
         JointFrames<V> frames;
-        Difference<P, V> gap, rate;
+        Difference<V> gap, rate;
 
         JointPlace(const Columns& earlier, const Columns& here) noexcept
             : frames({before(earlier.frame.tx, here.frame.tx), before(earlier.frame.ty, here.frame.ty),
@@ -248,10 +248,10 @@ private:
         PointTerms total;
         typename Contacts::PointBooks of_point;
         const auto held = [&](int point) noexcept {
-            const AxisPoint<P, W> at_point(points, point);
-            const auto motion = joint_motion<P, W>(c_.joint, pins.frames, at_point, pins.gap, pins.rate);
+            const AxisPoint<W> at_point(points, point);
+            const auto motion = joint_motion<W>(c_.joint, pins.frames, at_point, pins.gap, pins.rate);
             const V weight(points.weight[static_cast<std::size_t>(point)]);
-            return with_books(clearance_force<P, W>(c_.joint, pins.frames, at_point, weight, motion, of_point), of_point);
+            return with_books(clearance_force<W>(c_.joint, pins.frames, at_point, weight, motion, of_point), of_point);
         };
         pairwise_sum<W>(points.count, points.width, held, total);
         for (V& row : total) row = select_greater<W>(worst, V(0.0), row, V(0.0));
@@ -264,15 +264,15 @@ private:
     /// The lane after each lane.
     [[nodiscard]] static V after(const V& here, const V& later) noexcept { return slide<W, 1>(here, later); }
 
-    [[nodiscard]] static Difference<P, V> opening(const V* earlier, const V* here) noexcept {
+    [[nodiscard]] static Difference<V> opening(const V* earlier, const V* here) noexcept {
         const auto front_minus_rear = [&](int front, int rear) { return before(earlier[front], here[front]) - here[rear]; };
-        Difference<P, V> d;
-        for (int m = 0; m <= P; ++m) {
-            d.x[m] = front_minus_rear(link_layout<P>.x(End::front, m), link_layout<P>.x(End::rear, m));
-            d.y[m] = front_minus_rear(link_layout<P>.y(End::front, m), link_layout<P>.y(End::rear, m));
+        Difference<V> d;
+        for (int m = 0; m < axis_terms; ++m) {
+            d.x[m] = front_minus_rear(link_layout.x(End::front, m), link_layout.x(End::rear, m));
+            d.y[m] = front_minus_rear(link_layout.y(End::front, m), link_layout.y(End::rear, m));
         }
-        d.z = front_minus_rear(link_layout<P>.z(End::front), link_layout<P>.z(End::rear));
-        d.e = front_minus_rear(link_layout<P>.e(End::front), link_layout<P>.e(End::rear));
+        d.z = front_minus_rear(link_layout.z(End::front), link_layout.z(End::rear));
+        d.e = front_minus_rear(link_layout.e(End::front), link_layout.e(End::rear));
         return d;
     }
 
@@ -280,12 +280,12 @@ private:
     static void add_front(const Joints& rear, const Joints& next, V* f) noexcept {
         const auto& a = rear.on_front;
         const auto& b = next.on_front;
-        for (int m = 0; m <= P; ++m) {
-            f[link_layout<P>.x(End::front, m)] += after(a.x[m], b.x[m]);
-            f[link_layout<P>.y(End::front, m)] += after(a.y[m], b.y[m]);
+        for (int m = 0; m < axis_terms; ++m) {
+            f[link_layout.x(End::front, m)] += after(a.x[m], b.x[m]);
+            f[link_layout.y(End::front, m)] += after(a.y[m], b.y[m]);
         }
-        f[link_layout<P>.z(End::front)] += after(a.z, b.z);
-        f[link_layout<P>.e(End::front)] += after(a.e, b.e);
+        f[link_layout.z(End::front)] += after(a.z, b.z);
+        f[link_layout.e(End::front)] += after(a.e, b.e);
     }
 
     const ChainModel& model_;

@@ -15,13 +15,13 @@ namespace cvtflow::model {
 namespace {
 
 /// @tparam Rigid whether sheaves only turn and move along z; then only those reactions are written
-template <int P, int W, bool Rigid, class Contacts = NoContacts>
+template <int W, bool Rigid, class Contacts = NoContacts>
 class LaneTips {
 public:
     using V = Lanes<W>;
-    using Columns = LinkColumns<P, W>;
+    using Columns = LinkColumns<W>;
     using Reaction = TipReaction<V>;
-    static constexpr int size = link_layout<P>.link_size();
+    static constexpr int size = link_layout.link_size();
     static constexpr bool observed = Contacts::Books::observed;
 
     /// @param count links that the lanes represent, from the first
@@ -46,7 +46,7 @@ public:
             return;
         }
         std::array<SheaveMotionLanes<W>, 2> sheaves;
-        const V shaft = pulleys_of<P>(c_, range_.sheaves, columns, sheaves);
+        const V shaft = pulleys_of(c_, range_.sheaves, columns, sheaves);
         std::array<V, size> share;
         share.fill(V(0.0));
         std::array<Reaction, 2> rear, front;  // by side
@@ -81,7 +81,7 @@ private:
                                         std::array<Reaction, 2>& reaction, std::array<V, size>& share) noexcept {
         const TipAction<V> minus = tip(OneTip<W, end, 0>{}, 2 * static_cast<int>(end), columns, sheaves.data(), shaft, reaction[0]);
         const TipAction<V> plus = tip(OneTip<W, end, 1>{}, 2 * static_cast<int>(end) + 1, columns, sheaves.data(), shaft, reaction[1]);
-        load_end<P>(end, minus, plus, share.data());
+        load_end(end, minus, plus, share.data());
         return {minus.moment, plus.moment};
     }
 
@@ -94,8 +94,8 @@ private:
             else
                 return sheaves_at(corner, sheaves);
         }();
-        const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), sheave);
-        const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), sheave, geometry);
+        const auto geometry = tip_geometry(c_, corner, columns.frame, columns.q(), sheave);
+        const auto motion = tip_motion(c_, corner, columns.frame, columns.v(), sheave, geometry);
         const auto forces = forces_of(number, geometry, motion);
         if constexpr (Contacts::recorded)
             contacts_.tip(group_, count_, number, geometry, motion, forces.normal, sheaves[number % 2], shaft);
@@ -134,7 +134,7 @@ private:
     void find_near(const Columns& columns) noexcept {
         constexpr double yielding = 5e-4;  // m
         const V* q = columns.q();
-        const V first(c_.centre_distance), middle = q[link_layout<P>.x(End::rear, 0)] + q[link_layout<P>.x(End::front, 0)];
+        const V first(c_.centre_distance), middle = q[link_layout.x(End::rear, 0)] + q[link_layout.x(End::front, 0)];
         const auto by_shaft = [&](double one, double other) { return select_greater<W>(first, middle, V(one), V(other)); };
         const SheaveMotion* motions = range_.sheaves;
         const V minus = by_shaft(motions[0].z, motions[2].z), plus = by_shaft(motions[1].z, motions[3].z);
@@ -142,8 +142,8 @@ private:
         const double touching_radius = c_.tip.touching_radius - c_.tip.radius * c_.tip.sine;
         near_ = V(-1.0);
         for (const End end : {End::rear, End::front}) {
-            const V x = q[link_layout<P>.x(end, 0)] - centre, y = q[link_layout<P>.y(end, 0)], z = q[link_layout<P>.z(end)];
-            const V radial = c_.tip.sine * (touching_radius - sqrt(x * x + y * y)), length = c_.half_length + q[link_layout<P>.e(end)];
+            const V x = q[link_layout.x(end, 0)] - centre, y = q[link_layout.y(end, 0)], z = q[link_layout.z(end)];
+            const V radial = c_.tip.sine * (touching_radius - sqrt(x * x + y * y)), length = c_.half_length + q[link_layout.e(end)];
             const V beyond = larger<W>(length - (z - minus), length + (z - plus));
             near_ = larger<W>(radial + c_.tip.cosine * beyond + yielding, near_);
         }
@@ -172,8 +172,8 @@ private:
     void check_limits(const Columns& columns, const V& shaft) const noexcept {
         TipSearch& search = *contacts_.search();
         const V* q = columns.q();
-        const V x = 0.5 * (q[link_layout<P>.x(End::rear, 0)] + q[link_layout<P>.x(End::front, 0)]) - shaft * c_.centre_distance;
-        const V y = 0.5 * (q[link_layout<P>.y(End::rear, 0)] + q[link_layout<P>.y(End::front, 0)]), square = x * x + y * y;
+        const V x = 0.5 * (q[link_layout.x(End::rear, 0)] + q[link_layout.x(End::front, 0)]) - shaft * c_.centre_distance;
+        const V y = 0.5 * (q[link_layout.y(End::rear, 0)] + q[link_layout.y(End::front, 0)]), square = x * x + y * y;
         const V touching = select_greater<W>(deepest_, V(0.0), square, V(0.0));
         if (!all_at_most<W>(deepest_, search.deepest) || !all_at_most<W>(-square, -search.innermost * search.innermost) ||
             !all_at_most<W>(touching, search.outermost * search.outermost))

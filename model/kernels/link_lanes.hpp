@@ -84,9 +84,9 @@ template <int W, std::size_t rows, class Body>
 }
 
 /// States of W links.
-template <int P, int W>
+template <int W>
 struct LinkColumns {
-    static constexpr int size = link_layout<P>.link_size();
+    static constexpr int size = link_layout.link_size();
     std::array<Lanes<W>, 2 * size> state;  ///< [q | v]
     LinkFrameOf<Lanes<W>> frame;
 
@@ -111,12 +111,12 @@ struct SheaveMotionLanes {
 };
 
 /// The two sheaves of every link's pulley; returns the shafts' numbers. @param motions of all four
-template <int P, int W>
-[[nodiscard]] inline Lanes<W> pulleys_of(const Coefficients& c, const SheaveMotion* motions, const LinkColumns<P, W>& columns,
+template <int W>
+[[nodiscard]] inline Lanes<W> pulleys_of(const Coefficients& c, const SheaveMotion* motions, const LinkColumns<W>& columns,
                                          std::array<SheaveMotionLanes<W>, 2>& sheaves) noexcept {
     using V = Lanes<W>;
-    const V middle = columns.state[static_cast<std::size_t>(link_layout<P>.x(End::rear, 0))] +
-                     columns.state[static_cast<std::size_t>(link_layout<P>.x(End::front, 0))];
+    const V middle = columns.state[static_cast<std::size_t>(link_layout.x(End::rear, 0))] +
+                     columns.state[static_cast<std::size_t>(link_layout.x(End::front, 0))];
     const auto by_shaft = [&](double first, double second) { return select_greater<W>(V(c.centre_distance), middle, V(first), V(second)); };
     constexpr std::size_t numbers = sizeof(SheaveMotion) / sizeof(double);
     for (std::size_t side = 0; side < 2; ++side) {
@@ -147,10 +147,10 @@ inline void multiply(const SmallInverse& inverse, Lanes<W>* f) noexcept {
 }
 
 /// Accelerations of links from their generalized forces, in place. f [in: N, N·m; out: m/s², rad/s²]
-template <int P, int W>
+template <int W>
 inline void accelerate(const LinkInertia& inertia, Lanes<W>* f) noexcept {
-    multiply<2 * (P + 1), 2>(inertia.lateral, f);
-    multiply<4, 1>(inertia.axial, f + 4 * (P + 1));
+    multiply<2 * axis_terms, 2>(inertia.lateral, f);
+    multiply<4, 1>(inertia.axial, f + 4 * axis_terms);
 }
 
 }  // namespace

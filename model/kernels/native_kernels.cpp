@@ -3,8 +3,8 @@
 namespace cvtflow::model {
 
 template <>
-Kernels native_kernels<compiled_isa>(int order) noexcept {
-    return {chain_kernels<compiled_isa>(order), friction_kernels<compiled_isa>(order)};
+Kernels native_kernels<compiled_isa>() noexcept {
+    return {chain_kernels<compiled_isa>(), friction_kernels<compiled_isa>()};
 }
 
 }  // namespace cvtflow::model

@@ -6,15 +6,15 @@
 
 namespace cvtflow::model {
 
-/// Each is specialised in the source of its name. @param order p, 0 … 3
+/// Each is specialised in the source of its name.
 template <Isa isa>
-ChainKernels chain_kernels(int order) noexcept;
+ChainKernels chain_kernels() noexcept;
 template <Isa isa>
-FrictionKernels friction_kernels(int order) noexcept;
+FrictionKernels friction_kernels() noexcept;
 
 template <>
-ChainKernels chain_kernels<compiled_isa>(int order) noexcept;
+ChainKernels chain_kernels<compiled_isa>() noexcept;
 template <>
-FrictionKernels friction_kernels<compiled_isa>(int order) noexcept;
+FrictionKernels friction_kernels<compiled_isa>() noexcept;
 
 }  // namespace cvtflow::model

@@ -53,7 +53,7 @@ struct ContactBooks {
 };
 
 /// Groups of W links; `group` counts from the range's first, `count` of the lanes represent links.
-template <int P, int W>
+template <int W>
 class ObservationWriter : public NoContacts {
 public:
     using V = Lanes<W>;

@@ -15,9 +15,8 @@ namespace cvtflow::model {
 namespace {
 
 /// A LinkAdvance.
-template <int P>
-void advance_links(const double* from, const double* along, double by, double* to, int links) noexcept {
-    constexpr int block = 2 * link_layout<P>.link_size();
+inline void advance_links(const double* from, const double* along, double by, double* to, int links) noexcept {
+    constexpr int block = 2 * link_layout.link_size();
     static_assert(block % native_lanes == 0);
     const Lanes<native_lanes> factor(by);
     for (int link = 0; link < links; ++link, from += block, along += block, to += block) {
@@ -70,10 +69,9 @@ inline void store_velocities(const std::array<Lanes<W>, size>& rows, double* blo
 }
 
 /// @return whether all numbers of the state are within the limit
-template <int P>
-[[nodiscard]] bool end_links(const StepEnd& given, int links) noexcept {
+[[nodiscard]] inline bool end_links(const StepEnd& given, int links) noexcept {
     const StepEnd end = given;  // a copy: the compiler then knows that stores through its pointers do not change them
-    constexpr int W = native_floats, size = link_layout<P>.link_size();
+    constexpr int W = native_floats, size = link_layout.link_size();
     constexpr int narrow = std::min(native_lanes, 4);  // a divisor of every link's size
     const Lanes<narrow> above(std::nextafter(end.limit, std::numeric_limits<double>::infinity()));
     Lanes<narrow> sound(1.0);

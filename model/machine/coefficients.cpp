@@ -21,7 +21,6 @@ std::vector<double> plate_positions(const Parameters& parameters) {
     std::vector<double> each;
     for (int j = 0; j < n; ++j) each.push_back(n == 1 ? 0.0 : outermost * (2.0 * j / (n - 1) - 1.0));
     if (parameters.detail.plates == PlateDetail::each) return each;
-    if (parameters.detail.order == 0) return {0.0};
     double square = 0.0;
     for (const double xi : each) square += xi * xi;
     const double radius = std::sqrt(square / n);
@@ -61,7 +60,7 @@ PointLanes<Most> lanes_at(const std::vector<double>& positions) {
     for (std::size_t j = 0; j < lanes.position.size(); ++j) {
         const double xi = j < positions.size() ? positions[j] : 0.0;
         lanes.position[j] = xi;
-        for (int m = 0; m < max_lateral; ++m) lanes.basis[static_cast<std::size_t>(m)][j] = legendre(m, xi);
+        for (int m = 0; m < axis_terms; ++m) lanes.basis[static_cast<std::size_t>(m)][j] = legendre(m, xi);
     }
     return lanes;
 }
@@ -90,18 +89,16 @@ BendingLanes bending_lanes(const Parameters& p, double rigidity) {
     const double mass = p.detail.mass_scaling * p.half.mass;
     const Spring second = damped_spring(144.0 * rigidity / cube, mass / 5.0, p.chain.damping_ratio);
     const Spring third = damped_spring(1200.0 * rigidity / cube, mass / 7.0, p.chain.damping_ratio);
-    const Spring lane1 = p.detail.order >= 3 ? third : second;  // order 2 has one mode per half
-    return {{second.stiffness, lane1.stiffness, second.stiffness, third.stiffness},
-            {second.damping, lane1.damping, second.damping, third.damping}};
+    return {{second.stiffness, third.stiffness, second.stiffness, third.stiffness},
+            {second.damping, third.damping, second.damping, third.damping}};
 }
 
 LinkKind link_kind(const Parameters& p, double pitch) {
     const double length = pitch + p.half.width;
     const double stiffness = p.plate.count * p.plate.bending_stiffness / length;
     const double tilt_inertia = p.detail.mass_scaling * 0.5 * p.half.mass / 3.0 * 0.25 * p.half.length * p.half.length;
-    const double shear_inertia = p.detail.order >= 1 ? tilt_inertia : 0.25 * chain_mass(p) * length * length;
     const double zeta = p.chain.damping_ratio;
-    return {length, 1.0 / length, damped_spring(stiffness, tilt_inertia, zeta), damped_spring(3.0 * stiffness, shear_inertia, zeta),
+    return {length, 1.0 / length, damped_spring(stiffness, tilt_inertia, zeta), damped_spring(3.0 * stiffness, tilt_inertia, zeta),
             damped_spring(p.plate.count * p.plate.torsion_stiffness, tilt_inertia, zeta)};
 }
 

@@ -14,7 +14,6 @@ namespace cvtflow::model {
 
 inline constexpr int max_plate_lanes = 64;
 inline constexpr int max_joint_lanes = 16;
-inline constexpr int max_lateral = max_order + 1;
 
 /// A spring with its viscous partner.
 struct Spring {
@@ -39,7 +38,7 @@ struct PointLanes {
     alignas(64) std::array<double, Most> position{};  ///< ξ [1]
     alignas(64) std::array<double, Most> weight{};    ///< stiffness or quadrature weight, 0 on padding
     alignas(64) std::array<double, Most> damping{};   ///< [N·s/m], 0 on padding
-    alignas(64) std::array<std::array<double, Most>, max_lateral> basis{};  ///< P_m(ξ)
+    alignas(64) std::array<std::array<double, Most>, axis_terms> basis{};  ///< P_m(ξ)
 };
 
 /// Springs of the bending modes m = 2…p of both halves: rear 2…p, front 2…p.

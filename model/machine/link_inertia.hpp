@@ -9,7 +9,7 @@
 
 namespace cvtflow::model {
 
-inline constexpr int max_lateral_block = 2 * max_lateral;
+inline constexpr int max_lateral_block = 2 * axis_terms;
 
 /// Inverse of a small symmetric positive definite matrix, column by column, each padded with zeros to a whole number of lanes.
 struct SmallInverse {

@@ -43,44 +43,40 @@ void read_tips(const ForceReading& from, int link) {
     copy(contact.radius, from.forces.tip_radius);
 }
 
-template <int P>
-[[nodiscard]] Difference<P, Lanes<1>> between(const double* plus, End plus_end, const double* minus, End minus_end) noexcept {
-    constexpr int size = link_layout<P>.link_size();
+[[nodiscard]] Difference<Lanes<1>> between(const double* plus, End plus_end, const double* minus, End minus_end) noexcept {
+    constexpr int size = link_layout.link_size();
     Lanes<1> front[size], rear[size];
     std::copy_n(plus, size, front);
     std::copy_n(minus, size, rear);
     return {front, plus_end, rear, minus_end};
 }
 
-template <int P>
 void read_plates(const ForceReading& from, int link) {
     const Coefficients& c = from.coefficients();
     const double* q = from.link(link);
-    const double* v = q + link_layout<P>.link_size();
-    const auto d = between<P>(q, End::front, q, End::rear), rate = between<P>(v, End::front, v, End::rear);
+    const double* v = q + link_layout.link_size();
+    const auto d = between(q, End::front, q, End::rear), rate = between(v, End::front, v, End::rear);
     for (int plate = 0; plate < c.plates.count; ++plate) {
-        const auto stretch = plate_stretch<P, 1>(c, Lanes<1>(c.kind(link).free_length), AxisPoint<P, 1>(c.plates, plate),
-                                                 c.plates.weight[place(plate)], c.plates.damping[place(plate)], d, rate);
+        const auto stretch = plate_stretch<1>(c, Lanes<1>(c.kind(link).free_length), AxisPoint<1>(c.plates, plate),
+                                              c.plates.weight[place(plate)], c.plates.damping[place(plate)], d, rate);
         from.forces.plate_tension[place(c.plates.count * link + plate)] = stretch.tension[0];
     }
 }
 
 /// The joint of pin `pin`, between the links before and behind it.
-template <int P>
 void read_joint(const ForceReading& from, int pin) {
     const Coefficients& c = from.coefficients();
     const double* before = from.link(c.layout.previous(pin));
     const double* after = from.link(pin);
-    constexpr int size = link_layout<P>.link_size();
+    constexpr int size = link_layout.link_size();
     const auto frame = [](const double* link) -> LinkFrameOf<Lanes<1>> {
-        const LinkFrame f = link_frame<P>(link, link + size);
+        const LinkFrame f = link_frame(link, link + size);
         return {f.tx, f.ty, f.inverse_length, f.turning};
     };
     const JointFrames<Lanes<1>> frames(frame(before), frame(after));
-    const auto gap = between<P>(before, End::front, after, End::rear),
-               rate = between<P>(before + size, End::front, after + size, End::rear);
+    const auto gap = between(before, End::front, after, End::rear), rate = between(before + size, End::front, after + size, End::rear);
     const auto at_point = [&](int point) -> std::array<Lanes<1>, 3> {
-        const auto motion = joint_motion<P, 1>(c.joint, frames, AxisPoint<P, 1>(c.joint_points, point), gap, rate);
+        const auto motion = joint_motion<1>(c.joint, frames, AxisPoint<1>(c.joint_points, point), gap, rate);
         const auto rolling = rolling_forces<1>(c.joint, Lanes<1>(c.joint_points.weight[place(point)]), motion);
         return {rolling.pressing.normal, rolling.friction_per_speed * motion.slip, rolling.friction_per_speed * motion.axial};
     };
@@ -92,33 +88,29 @@ void read_joint(const ForceReading& from, int pin) {
 }
 
 /// Second derivative of the axis in the middle: P_2'' = 3, P_3''(0) = 0. With EI and the axial strain 2e/ℓ_p.
-template <int P>
 void read_halves(const ForceReading& from, int link) {
     const Coefficients& c = from.coefficients();
     const double* q = from.link(link);
-    const LinkFrame frame = link_frame<P>(q, q + link_layout<P>.link_size());
+    const LinkFrame frame = link_frame(q, q + link_layout.link_size());
     for (const End end : {End::rear, End::front}) {
         const std::size_t half = place(2 * link + static_cast<int>(end));
         const double longer = c.longer.empty() ? 0.0 : lengths_at(c, link)[static_cast<std::size_t>(end)];
-        from.forces.half_axial[half] = 0.5 * c.extension.stiffness * (q[link_layout<P>.e(end)] - longer);  // k = 4EA/ℓ_p
-        if constexpr (P >= 2) {
-            const std::size_t spring = place(static_cast<int>(end) * (P - 1));  // k = 144 EI/ℓ_p³: M = 12 EI x_2/ℓ_p² = k ℓ_p x_2/12
-            const double arm = c.half_length / 6.0;
-            const double x = q[link_layout<P>.x(end, 2)], y = q[link_layout<P>.y(end, 2)];
-            from.forces.bending_travel[half] = c.travel.stiffness[spring] * arm * (x * frame.tx + y * frame.ty);
-            from.forces.bending_height[half] = c.height.stiffness[spring] * arm * (y * frame.tx - x * frame.ty);
-        }
+        from.forces.half_axial[half] = 0.5 * c.extension.stiffness * (q[link_layout.e(end)] - longer);  // k = 4EA/ℓ_p
+        const std::size_t spring = place(static_cast<int>(end) * (axis_order - 1));  // k = 144 EI/ℓ_p³: M = 12 EI x_2/ℓ_p² = k ℓ_p x_2/12
+        const double arm = c.half_length / 6.0;
+        const double x = q[link_layout.x(end, 2)], y = q[link_layout.y(end, 2)];
+        from.forces.bending_travel[half] = c.travel.stiffness[spring] * arm * (x * frame.tx + y * frame.ty);
+        from.forces.bending_height[half] = c.height.stiffness[spring] * arm * (y * frame.tx - x * frame.ty);
     }
 }
 
-template <int P>
 void read_forces(const ForceReading& from) {
     const Coefficients& c = from.coefficients();
     for (int link = 0; link < c.layout.links; ++link) {
-        read_plates<P>(from, link);
+        read_plates(from, link);
         read_tips(from, link);
-        read_joint<P>(from, link);
-        read_halves<P>(from, link);
+        read_joint(from, link);
+        read_halves(from, link);
     }
 }
 
@@ -188,7 +180,7 @@ int plates_per_link(const ChainModel& chain) noexcept { return chain.coefficient
 void observe_forces(const ChainModel& chain, const double* state, const LinkContact* contacts, ChainForces& forces) {
     clear(chain, forces);
     const ForceReading reading{chain, state, contacts, forces};
-    of_order(chain.layout().order, [&]<int P>() { read_forces<P>(reading); });
+    read_forces(reading);
 }
 
 /// Bending moments, and friction between the halves of a pin along its length, do not exist there and stay zero.
@@ -251,7 +243,7 @@ void copy_half(const PinReading& from, const Coefficients& c, int pin, End end, 
     for (int rate = 0; rate < 2; ++rate) {
         const double* source = from.q(pin) + rate * from.at.link_size();
         double* target = link + rate * to.link_size();
-        for (int m = 0; m <= to.order; ++m) {
+        for (int m = 0; m < from.at.lateral(); ++m) {
             target[to.x(end, m)] = source[from.at.x(end, m)];
             target[to.y(end, m)] = source[from.at.y(end, m)];
         }

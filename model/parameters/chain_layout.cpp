@@ -16,12 +16,7 @@ ChainLayout layout_of(const Parameters& parameters) noexcept {
     const bool has_pulleys = pulley_size != 0;
     const int hydraulics = parameters.hydraulics.mode != HydraulicMode::none ? hydraulic_unknowns : 0;
     const bool rigid = parameters.detail.pins == PinDetail::rigid;
-    return {rigid ? 2 : parameters.detail.order,
-            parameters.chain.pins,
-            pulley_size,
-            has_pulleys ? controllers(parameters.control) + hydraulics : 0,
-            parameters.ledger,
-            rigid};
+    return {parameters.chain.pins, pulley_size, has_pulleys ? controllers(parameters.control) + hydraulics : 0, parameters.ledger, rigid};
 }
 
 double pin_period(const Chain& chain, const ChainLayout& at, const double* state) noexcept {

@@ -42,20 +42,27 @@ inline constexpr int work_kinds = 3;
 enum class HydraulicUnknown { set_1, set_2, oil_1, oil_2, pump, relief, valves, leakage, sheaves };
 inline constexpr int hydraulic_unknowns = 9;
 
+/// p, Legendre order of the axis of a pin half: 0 place, 1 slope, 2 and 3 bending.
+inline constexpr int axis_order = 3;
+/// Coefficients of such an axis along x, or along y.
+inline constexpr int axis_terms = axis_order + 1;
+/// Rigid pins bend in one shape, the second.
+inline constexpr int rigid_pin_order = 2;
+
 /// Which half of a link.
 enum class End { rear = 0, front = 1 };
 /// Number of an end's body in its block: a rigid pin is one body.
 [[nodiscard]] constexpr int body_of(End end, bool rigid) noexcept { return rigid ? 0 : static_cast<int>(end); }
 
 struct ChainLayout {
-    int order = 3;         ///< p
     int links = 84;        ///< N = number of pins
     int pulley_size = 36;  ///< generalized coordinates of shafts and sheaves: 36, 4 or 0
     int controls = 0;      ///< integrals of controllers, 0…2: of S_1's (or of the only one), of S_2's beside it; and hydraulic_unknowns
     bool ledger = false;
-    bool rigid = false;  ///< pins are one body each: x_0, y_0 the mean over the plates, ζ in the place of e; order is 2
+    bool rigid = false;  ///< pins are one body each: x_0, y_0 the mean over the plates, ζ in the place of e
 
-    [[nodiscard]] constexpr int lateral() const noexcept { return order + 1; }
+    /// Coefficients of an axis along x, or along y.
+    [[nodiscard]] constexpr int lateral() const noexcept { return rigid ? rigid_pin_order + 1 : axis_terms; }
     /// Halves that a block holds the coordinates of.
     [[nodiscard]] constexpr int bodies() const noexcept { return rigid ? 1 : 2; }
     [[nodiscard]] constexpr int link_size() const noexcept { return bodies() * (2 * lateral() + 2); }
@@ -92,7 +99,7 @@ struct ChainLayout {
 };
 
 /// Largest number of unknowns of a block.
-inline constexpr int max_link_block = 2 * ChainLayout{3}.link_size();
+inline constexpr int max_link_block = 2 * ChainLayout{}.link_size();
 
 [[nodiscard]] ChainLayout layout_of(const Parameters& parameters) noexcept;
 

@@ -94,7 +94,6 @@ enum class StartLayout { belt, ring };
 /// Resolved detail. Absent detail is absent from the state vector.
 struct Detail {
     PinDetail pins = PinDetail::halves;      ///< two halves that roll in contact; one body whose halves roll by constraint
-    int order = 3;                           ///< p, Legendre order of the axis of a pin half, 0…3
     PlateDetail plates = PlateDetail::each;  ///< every plate, or a lumped pack with the same moments
     int joint_points = 3;                    ///< Gauss-Legendre points along the rolling line of a joint, 1…16
     double mass_scaling = 1.0;               ///< factor on the inertia of motions that tilt or deform a pin, ≥ 1

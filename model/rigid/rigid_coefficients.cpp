@@ -7,9 +7,8 @@ namespace cvtflow::model {
 
 namespace {
 
-/// Parameters at the detail that both chains' coefficients share: pins that bend in one shape, plates as a pack.
-[[nodiscard]] Parameters of_one_shape(Parameters p) {
-    p.detail.order = 2;
+/// Parameters at the detail that both chains' coefficients share: plates as a pack.
+[[nodiscard]] Parameters with_plate_pack(Parameters p) {
     p.detail.plates = PlateDetail::lumped;
     return p;
 }
@@ -40,7 +39,7 @@ namespace {
 }  // namespace
 
 RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
-    const Parameters p = of_one_shape(parameters);
+    const Parameters p = with_plate_pack(parameters);
     const Coefficients c(p);
     const double plates = p.plate.count * p.plate.mass;
     const double zeta = p.chain.damping_ratio;
@@ -93,7 +92,7 @@ void RigidCoefficients::bend(const Parameters& p, double plate_bow) {
 }
 
 void RigidCoefficients::fill(const Parameters& parameters, RigidColumns& columns) const {
-    const Parameters p = of_one_shape(parameters);
+    const Parameters p = with_plate_pack(parameters);
     const Coefficients c(p);
     const double square = c.slope_scale * c.slope_scale;
     const double pack = in_series(p.plate.count * p.plate.stiffness * plate_square, p.joint.stiffness / 3.0);

@@ -81,7 +81,7 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainModel& cha
     contents.state_description = fmt::format(
         "{} links of [q | v], {} coordinates each (a.x, b.x, a.y, b.y, a.z, a.e, b.z, b.e; orders 0...{}), then pulleys [q | v], {} "
         "coordinates",
-        at.links, at.link_size(), at.order, at.pulley_size);
+        at.links, at.link_size(), at.lateral() - 1, at.pulley_size);
     contents.tables = {transition_table()};
     contents.attributes = attributes_of_run(scene, run);
     return contents;

@@ -43,7 +43,7 @@ std::string_view attribute_text(const engine::SavedState& saved, std::string_vie
 }
 
 [[nodiscard]] bool same_coordinates(const model::ChainLayout& a, const model::ChainLayout& b) noexcept {
-    return a.order == b.order && a.links == b.links && a.pulley_size == b.pulley_size && a.rigid == b.rigid;
+    return a.links == b.links && a.pulley_size == b.pulley_size && a.rigid == b.rigid;
 }
 
 [[nodiscard]] bool contains_coordinates(const engine::SavedState& saved, const model::ChainLayout& of) noexcept {

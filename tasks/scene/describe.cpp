@@ -62,7 +62,7 @@ std::string readable_value(const Parameter& parameter, const Scene& scene) {
 
 std::string explain(std::string_view key) {
     const Parameter* parameter = find_parameter(key);
-    if (!parameter) throw SceneError(fmt::format("{}: unknown key{}", key, engine::did_you_mean(nearest_keys(key))));
+    if (!parameter) throw SceneError(fmt::format("{}: unknown key{}", key, key_hint(key)));
     std::string text = fmt::format("{}\n  {}\n", parameter->key, parameter->meaning);
     text += fmt::format("  value:    {}\n", form_text(*parameter));
     if (!parameter->unit.empty()) text += fmt::format("  range:    {}\n", range_text(*parameter));

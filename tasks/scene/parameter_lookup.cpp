@@ -152,6 +152,16 @@ std::vector<std::string> nearest_keys(std::string_view key) {
     return of_that_name;
 }
 
+std::string key_hint(std::string_view key) {
+    if (key == order_key) return " (pin halves always have order 3: omit the key, or use detail.level = \"fine\" or \"rigid\")";
+    return engine::did_you_mean(nearest_keys(key));
+}
+
+std::string choice_hint(std::string_view value, const std::vector<std::string>& choices) {
+    if (value == "medium" && std::ranges::count(choices, "fine") > 0) return " (use \"fine\", or \"rigid\" at lower cost)";
+    return engine::did_you_mean(engine::closest(value, choices));
+}
+
 std::vector<const Entry*> level_first(const std::vector<Entry>& rows) {
     std::vector<const Entry*> ordered;
     for (const Entry& row : rows) ordered.push_back(&row);

@@ -24,13 +24,11 @@ std::span<const Parameter> parameter_table() {
     {"scene.description", "", 0, 0, {}, of<&Scene::description>, "Purpose of the scene, in one or two sentences."},
 
     {"detail.level", "", 0, 0, level_choices(), of<&Scene::level>,
-     "Level of detail (cvtflow list detail): sets detail.pins, order, plates, joint_points, pulleys and mass_scaling. Those keys beside it "
+     "Level of detail (cvtflow list detail): sets detail.pins, plates, joint_points, pulleys and mass_scaling. Those keys beside it "
      "take precedence, and --detail replaces all of them. \"given\": no level, these keys alone."},
     {"detail.pins", "", 0, 0, {model::pin_detail_names.begin(), model::pin_detail_names.end()}, of<&Detail::pins>,
      "Pins of two halves that roll on each other in contact; or of one body whose halves roll by constraint and slide along it, and which "
-     "bends in one shape (order 2, lumped plates, one thread)."},
-    {"detail.order", "1", 0, 3, {}, of<&Detail::order>,
-     "Legendre order of the axis curve of a pin half: 0 rigid, 1 slope, 2 and 3 bending."},
+     "bends in one shape (lumped plates, one thread)."},
     {"detail.plates", "", 0, 0, {"each", "lumped"}, of<&Detail::plates>,
      "Every plate separately, or one or two equivalent plates per link with the same stiffness, mass and moments."},
     {"detail.joint_points", "1", 1, 16, {}, of<&Detail::joint_points>, "Gauss-Legendre points along the rolling line of a joint."},

@@ -107,6 +107,12 @@ void forget_derived(Scene& scene);
 
 /// Suggestions for an unknown key: similar spelling, or the same name in other sections. May be empty.
 [[nodiscard]] std::vector<std::string> nearest_keys(std::string_view key);
+/// Key of earlier versions. Scenes of their records contain it.
+inline constexpr std::string_view order_key = "detail.order";
+/// Text behind "unknown key": what replaces a key of earlier versions, or the nearest keys. May be empty.
+[[nodiscard]] std::string key_hint(std::string_view key);
+/// Text behind "not one of …": what replaces a level of earlier versions, or the nearest choice. May be empty.
+[[nodiscard]] std::string choice_hint(std::string_view value, const std::vector<std::string>& choices);
 
 /// Section names in the order of the table.
 [[nodiscard]] std::vector<std::string> section_names();

@@ -65,8 +65,7 @@ public:
     void section(const Entry& entry);
     void value(const Parameter& parameter, const Node& node);
     void unknown_key(const std::string& key, Position position) {
-        problem(position, fmt::format("{}: unknown key{}", shown(key),
-                                      problems_.size() < max_problems ? engine::did_you_mean(nearest_keys(key)) : ""));
+        problem(position, fmt::format("{}: unknown key{}", shown(key), problems_.size() < max_problems ? key_hint(key) : ""));
     }
     void problem(Position position, std::string message) { problems_.push_back({position, std::move(message)}); }
 
@@ -78,6 +77,7 @@ public:
 private:
     void resolve_state(const Node& node);
     void check(const CrossCheck& cross_check);
+    void check_order();
     void follow();
 
     Scene scene_;
@@ -86,6 +86,7 @@ private:
     Position nowhere_;
     std::map<std::string_view, Position> given_;
     std::set<std::string_view> wrong_;
+    const Entry* recorded_order_ = nullptr;  ///< entry of an earlier version's record
     std::vector<Problem> problems_;
 };
 
@@ -105,9 +106,19 @@ void Reading::section(const Entry& entry) {
         const std::string key = fmt::format("{}.{}", entry.key, row->key);
         if (const Parameter* parameter = find_parameter(key))
             value(*parameter, row->node);
+        else if (start_ == StartState::recorded && key == order_key)
+            recorded_order_ = row;
         else
             unknown_key(key, row->position);
     }
+}
+
+void Reading::check_order() {
+    if (recorded_order_ == nullptr) return;
+    const bool rigid = scene_.parameters.detail.pins == model::PinDetail::rigid;
+    const auto* order = std::get_if<std::int64_t>(&recorded_order_->node.value);
+    if (order == nullptr || *order != (rigid ? model::rigid_pin_order : model::axis_order))
+        unknown_key(std::string(order_key), recorded_order_->position);
 }
 
 void Reading::value(const Parameter& parameter, const Node& node) {
@@ -166,6 +177,7 @@ void Reading::follow() {
 
 Scene Reading::finish(const std::function<std::string(Position)>& place) {
     follow();
+    check_order();
     for (const CrossCheck& cross_check : cross_checks()) check(cross_check);
     for (const auto& [key, to] : {std::pair{"start.state", &scene_.state_place}, {"run.method", &scene_.method_place}}) {
         if (const auto given = given_.find(key); given != given_.end()) *to = place(given->second) + ": ";
@@ -281,26 +293,24 @@ std::span<const DetailPreset> detail_presets() noexcept {
     using model::PlateDetail;
     using model::PulleyDetail;
     static constexpr std::array presets{
-        DetailPreset{"rigid", "pins of one body, whose halves slide along it and bend in one shape, lumped plates", rigid, 2,
+        DetailPreset{"rigid", "pins of one body, whose halves slide along it and bend in one shape, lumped plates", rigid,
                      PlateDetail::lumped, 1, PulleyDetail::elastic, 1.0, 0.06, 0.006, 0.033},
-        DetailPreset{"medium", "halves with slope, lumped plates, elastic pulleys", halves, 1, PlateDetail::lumped, 3,
-                     PulleyDetail::elastic, 1.0, 0.71, 0.004, 0.029},
-        DetailPreset{"fine", "bending halves, every plate, elastic pulleys", halves, 3, PlateDetail::each, 3, PulleyDetail::elastic, 1.0,
-                     1.0, 0.0031, 0.0053},
-        DetailPreset{"full", "fine, with eight points per joint", halves, 3, PlateDetail::each, 8, PulleyDetail::elastic, 1.0, 1.2, 2.1e-5,
+        DetailPreset{"fine", "bending halves, every plate, elastic pulleys", halves, PlateDetail::each, 3, PulleyDetail::elastic, 1.0, 1.0,
+                     0.0031, 0.0053},
+        DetailPreset{"full", "fine, with eight points per joint", halves, PlateDetail::each, 8, PulleyDetail::elastic, 1.0, 1.2, 2.1e-5,
                      1.6e-4},
     };
     return presets;
 }
 
 std::span<const std::string_view> dial_keys() noexcept {
-    static constexpr std::array<std::string_view, 6> keys{"detail.pins",         "detail.order",   "detail.plates",
-                                                          "detail.joint_points", "detail.pulleys", "detail.mass_scaling"};
+    static constexpr std::array<std::string_view, 5> keys{"detail.pins", "detail.plates", "detail.joint_points", "detail.pulleys",
+                                                          "detail.mass_scaling"};
     return keys;
 }
 
 std::span<const std::string_view> state_keys() noexcept {
-    static constexpr std::array<std::string_view, 5> keys{"detail.pins", "detail.order", "detail.plates", "detail.pulleys", "chain.pins"};
+    static constexpr std::array<std::string_view, 4> keys{"detail.pins", "detail.plates", "detail.pulleys", "chain.pins"};
     return keys;
 }
 
@@ -308,8 +318,8 @@ std::string_view level_of(const Scene& scene) noexcept {
     const model::Detail& detail = scene.parameters.detail;
     for (const DetailPreset& preset : detail_presets()) {
         const bool pulleys = preset.pulleys == detail.pulleys || detail.pulleys == model::PulleyDetail::absent;
-        if (preset.pins == detail.pins && preset.order == detail.order && preset.plates == detail.plates &&
-            preset.joint_points == detail.joint_points && preset.mass_scaling == detail.mass_scaling && pulleys)
+        if (preset.pins == detail.pins && preset.plates == detail.plates && preset.joint_points == detail.joint_points &&
+            preset.mass_scaling == detail.mass_scaling && pulleys)
             return preset.name;
     }
     return {};
@@ -321,12 +331,10 @@ void apply_detail(Scene& scene, std::string_view preset) {
     if (chosen == presets.end()) {
         std::vector<std::string> names;
         for (const auto& row : presets) names.emplace_back(row.name);
-        throw SceneError(fmt::format("detail {}: not one of {}{}", preset, fmt::join(names, ", "),
-                                     engine::did_you_mean(engine::closest(preset, names))));
+        throw SceneError(fmt::format("detail {}: not one of {}{}", preset, fmt::join(names, ", "), choice_hint(preset, names)));
     }
     auto& detail = scene.parameters.detail;
     detail.pins = chosen->pins;
-    detail.order = chosen->order;
     detail.plates = chosen->plates;
     detail.joint_points = chosen->joint_points;
     detail.mass_scaling = chosen->mass_scaling;

@@ -145,7 +145,6 @@ struct DetailPreset {
     std::string_view name;
     std::string_view meaning;
     model::PinDetail pins;
-    int order;
     model::PlateDetail plates;
     int joint_points;
     model::PulleyDetail pulleys;

@@ -129,8 +129,8 @@ public:
         const auto& choices = parameter_.choices;
         const auto chosen = value ? std::find(choices.begin(), choices.end(), *value) : choices.end();
         if (chosen == choices.end()) {
-            const std::string near = value ? engine::closest(*value, {choices.begin(), choices.end()}) : std::string{};
-            return refuse(node, "{} is not one of {}{}", written(node), fmt::join(choices, ", "), engine::did_you_mean(near));
+            const std::string hint = value ? choice_hint(*value, {choices.begin(), choices.end()}) : std::string{};
+            return refuse(node, "{} is not one of {}{}", written(node), fmt::join(choices, ", "), hint);
         }
         member = static_cast<Choice>(chosen - choices.begin());
     }

@@ -15,7 +15,7 @@ using model::End;
 
 /// A half's coordinates or velocities. weight: share of them that is added to the target, as many as both have.
 void add_half(const ChainLayout& from, const double* source, const ChainLayout& to, double* target, End end, double weight) {
-    for (int m = 0; m <= std::min(from.order, to.order); ++m) {
+    for (int m = 0; m < std::min(from.lateral(), to.lateral()); ++m) {
         target[to.x(end, m)] += weight * source[from.x(end, m)];
         target[to.y(end, m)] += weight * source[from.y(end, m)];
     }

@@ -54,7 +54,7 @@ struct TuneChoice {
     std::string method;
     double share = 1.0;  ///< share of the automatic step; 1: automatic steps
 
-    /// "medium, leapfrog-chebyshev, 1/2 of the automatic step"
+    /// "fine, leapfrog-chebyshev, 1/2 of the automatic step"
     [[nodiscard]] std::string text() const;
     bool operator==(const TuneChoice&) const = default;
 };

@@ -71,18 +71,18 @@ protected:
 };
 
 TEST_F(Allocations, AreNotMadeInACycleOfAHost) {
-    for (const char* level : {"rigid", "medium", "fine", "full"}) expect_none(level, Simulation(at_level(level), Threads::caller()));
+    for (const char* level : {"rigid", "fine", "full"}) expect_none(level, Simulation(at_level(level), Threads::caller()));
     expect_none("fine, rk4", Simulation(at_level("fine", "rk4"), Threads::caller()));
     expect_none("fine, two threads", Simulation(at_level("fine"), Threads::private_arena(2)), true);
 }
 
 TEST_F(Allocations, AreNotMadeForCallbacks) {
-    Simulation simulation(at_level("medium"), Threads::caller());
+    Simulation simulation(at_level("fine"), Threads::caller());
     long outputs = 0, transitions = 0, more = 0;
     long* const counts[] = {&outputs, &transitions, &more};  // a capture too large for what std::function holds in itself
     simulation.on_output(2e-5, [=](Simulation&) { *counts[0] += 1 + 0 * *counts[2]; });
     simulation.on_transition([=](Simulation&, const Transition&) { *counts[1] += 1 + 0 * *counts[2]; });
-    expect_none("medium, callbacks", std::move(simulation));
+    expect_none("fine, callbacks", std::move(simulation));
     EXPECT_GT(outputs, 50);
     EXPECT_GT(transitions, 50);
 }

@@ -83,7 +83,7 @@ TEST(HostCouplings, ACopyContinuesBitForBit) {
 /// Rigid pins count impulse and work in every step; half of the step at an exchange passes at the speed before it.
 TEST(HostCouplings, RigidPinsExchangeWithAVehicle) {
     Simulation simulation(tiny({"load.mode=coupling", "load.speed=209 rad/s", "load.coupling_stiffness=200 N*m/rad", "detail.pins=rigid",
-                                "detail.order=2", "detail.plates=lumped", "run.method=auto", "run.step=1 us"}));
+                                "detail.plates=lumped", "run.method=auto", "run.step=1 us"}));
     simulation.advance_to(0.0);
     const double before = simulation.channel("shaft_2/impulse")[0], work = simulation.channel("shaft_2/coupling_work")[0];
     const double torque = simulation.channel("shaft_2/torque")[0];

@@ -61,8 +61,8 @@ TEST_F(Package, IsFoundAndUsedByAFreshProjectAlsoAfterItWasMoved) {
     run("cmake -S \"$SOURCE/tests/api/consumer\" -B b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/moved -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
         " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
     run("cmake --build b");
-    EXPECT_THAT(run("b/consumer_cpp"), testing::HasSubstr("t = -0.009999 s, 648 unknowns"));
-    EXPECT_THAT(run("b/consumer_c"), testing::HasSubstr("648 unknowns"));
+    EXPECT_THAT(run("b/consumer_cpp"), testing::HasSubstr("t = -0.009999 s, 1032 unknowns"));
+    EXPECT_THAT(run("b/consumer_c"), testing::HasSubstr("1032 unknowns"));
     std::ifstream file(folder_ / "b/program.txt");
     std::string program;
     std::getline(file, program);
@@ -80,7 +80,7 @@ TEST_F(Package, IsFoundByPkgConfig) {
     run(with + CVTFLOW_CC
         " -std=c11 -Wall -Wextra -pedantic -Werror \"$SOURCE/tests/api/consumer/main.c\" -o c $(pkg-config --cflags --libs cvtflow) "
         "$(pkg-config --variable=rpath cvtflow)");
-    EXPECT_THAT(run("./c"), testing::HasSubstr("648 unknowns")) << "linked as the page of embedding does";
+    EXPECT_THAT(run("./c"), testing::HasSubstr("1032 unknowns")) << "linked as the page of embedding does";
     EXPECT_THAT(run(with + "ls $(pkg-config --variable=scenesdir cvtflow)"), testing::HasSubstr("tiny.toml"));
 }
 
@@ -153,7 +153,7 @@ TEST_F(Package, OfALibraryAloneNamesWhatWasNotBuilt) {
         " REQUIRED COMPONENTS cpp c)\n"
         "add_executable(c $ENV{SOURCE}/tests/api/consumer/main.c)\ntarget_link_libraries(c cvtflow::c)\n' > c/CMakeLists.txt");
     run("cmake -S c -B c/b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/p -DCMAKE_C_COMPILER=" CVTFLOW_CC " && cmake --build c/b");
-    EXPECT_THAT(run("c/b/c"), testing::HasSubstr("648 unknowns"));
+    EXPECT_THAT(run("c/b/c"), testing::HasSubstr("1032 unknowns"));
     EXPECT_EQ(run("ls p/bin 2>/dev/null || true"), "");
 }
 
@@ -203,7 +203,7 @@ TEST_F(Package, HoldsThePythonModuleAlsoAfterItWasMoved) {
     const std::string with =
         "env -u LD_LIBRARY_PATH PYTHONPATH=$(dirname $(dirname $(find moved -name '_cvtflow*.so'))) " CVTFLOW_PYTHON " ";
     EXPECT_THAT(run(with + "-c 'import cvtflow; print(cvtflow.Simulation(cvtflow.Scene.ready(\"tiny\")), cvtflow.__file__)'"),
-                testing::AllOf(testing::HasSubstr("648 unknowns"), testing::HasSubstr("moved/lib")));
+                testing::AllOf(testing::HasSubstr("1032 unknowns"), testing::HasSubstr("moved/lib")));
     if (!is_deep()) return;
     EXPECT_THAT(run(with + "\"$SOURCE/examples/python/eight_simulations.py\" 0.05"), testing::HasSubstr("load  18.0 N m"));
 }
@@ -231,7 +231,7 @@ TEST_F(NightlyPackage, IsBuiltAsAFolderInAHostsProject) {
     run("cmake -S \"$SOURCE/tests/api/subdirectory\" -B b -G Ninja -DCVTFLOW_SOURCE=\"$SOURCE\" -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
         " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
     run("cmake --build b");
-    EXPECT_THAT(run("b/host"), testing::HasSubstr("648 unknowns"));
+    EXPECT_THAT(run("b/host"), testing::HasSubstr("1032 unknowns"));
 }
 
 TEST_F(NightlyPackage, BuildsTheExamplesAgainstTheInstallation) {

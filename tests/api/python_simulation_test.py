@@ -77,7 +77,7 @@ class Results(unittest.TestCase):
                 np.testing.assert_array_equal(rows[name], record[name])
 
     def test_rigid_pins_have_the_bits_of_the_program(self):
-        rigid = ["start.state=", "detail.pins=rigid", "detail.order=2", "run.method=leapfrog-rigid", "run.step=1 us"]
+        rigid = ["start.state=", "detail.pins=rigid", "run.method=leapfrog-rigid", "run.step=1 us"]
         settings = [word for setting in [*BRIEF, *rigid] for word in ("--set", setting)]
         with tempfile.TemporaryDirectory() as folder:
             file = folder + "/record.h5"

@@ -408,7 +408,7 @@ TEST(HostTime, KnowsTheLargestStableStepOfProgramsToo) {
 // Rigid pins in a host: one thread, the same bits.
 
 TEST(HostRigidPins, GiveTheSameBitsForEveryWayOfRunningAndContinued) {
-    const Scene scene = tiny({"detail.pins=rigid", "detail.order=2", "run.method=leapfrog-rigid", "run.step=1 us"});
+    const Scene scene = tiny({"detail.pins=rigid", "run.method=leapfrog-rigid", "run.step=1 us"});
     Simulation whole(scene), pieces(scene, Threads::private_arena(2)), restored(scene);
     whole.advance_to(2e-5);
     for (int k = -30; k <= 2; ++k) pieces.advance_to(1e-5 * k);
@@ -421,7 +421,7 @@ TEST(HostRigidPins, GiveTheSameBitsForEveryWayOfRunningAndContinued) {
 }
 
 TEST(HostRigidPins, ReportEveryTransitionOfTheirTips) {
-    Simulation simulation(tiny({"detail.pins=rigid", "detail.order=2", "run.method=leapfrog-rigid", "run.step=1 us"}));
+    Simulation simulation(tiny({"detail.pins=rigid", "run.method=leapfrog-rigid", "run.step=1 us"}));
     long transitions = 0;
     simulation.advance_to(0.0);
     simulation.on_transition([&](Simulation& at, const Transition& t) {

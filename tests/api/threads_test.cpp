@@ -222,7 +222,7 @@ void* run_on_small_stack(void* argument) {
 
 TEST(HostThreads, NeedLessThan256KilobytesOfStack) {
     if (address_sanitizer) GTEST_SKIP() << "a sanitizer puts room between variables";
-    const Scene scene = tiny({"plate.count=64", "detail.joint_points=16", "detail.order=3", "detail.plates=each"});
+    const Scene scene = tiny({"plate.count=64", "detail.joint_points=16", "detail.plates=each"});
     for (const Threads threads : ways()) {
         OnSmallStack job{&scene, threads};
         constexpr std::size_t size = 512 * 1024;

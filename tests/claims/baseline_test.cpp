@@ -74,8 +74,7 @@ TEST(NightlyBaseline, IsStationaryWithTheTensionsTorqueAndAxialForcesOfTheoryAnd
     EXPECT_GT(prominence(run, run.tight, 2.0 * passing), 3.0);
 }
 
-/// Claims at every level of detail, with its own automatic step, but for the lines in the strands' tensions: those of medium are less
-/// pronounced (measured 1.4 to 2.3 for the multiples).
+/// Claims at every level of detail, with its own automatic step, but for the lines in the strands' tensions.
 class EveryLevel : public testing::TestWithParam<std::string> {};
 
 TEST_P(EveryLevel, ShowsTheBaselineOfTheoryItsHumAndAClosedEnergyBalance) {

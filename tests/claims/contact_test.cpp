@@ -18,12 +18,11 @@ namespace cvtflow::claims {
 namespace {
 
 /// A ring of 13 pins at rest around shaft 1 between its two rigid sheaves, nothing pressing or turning them.
-/// @param level of detail but for the sheaves; "straight": straight halves, lumped plates
+/// @param level of detail but for the sheaves; "lumped": fine, with lumped plates
 model::Parameters ring_between_sheaves(const std::string& level) {
     model::Parameters p;
-    p.detail.order = 0;
     p.detail.plates = model::PlateDetail::lumped;
-    if (level != "straight") p = at_level(p, level);
+    if (level != "lumped") p = at_level(p, level);
     p.detail.pulleys = model::PulleyDetail::rigid;
     p.start.layout = model::StartLayout::ring;
     p.start.ring_speed = 0.0;
@@ -38,9 +37,9 @@ model::Parameters ring_between_sheaves(const std::string& level) {
     return p;
 }
 
-std::vector<std::string> levels_and_straight() {
+std::vector<std::string> levels_and_lumped() {
     std::vector<std::string> all = levels();
-    all.emplace_back("straight");
+    all.emplace_back("lumped");
     return all;
 }
 
@@ -163,7 +162,7 @@ TEST_P(Contact, ARingThatFliesAlongXTouchesFirstWithTheTipThatIsDueAndOnce) {
     EXPECT_EQ(rig.counters().truncated, 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryLevel, Contact, testing::ValuesIn(levels_and_straight()), [](const auto& level) { return level.param; });
+INSTANTIATE_TEST_SUITE_P(EveryLevel, Contact, testing::ValuesIn(levels_and_lumped()), [](const auto& level) { return level.param; });
 
 TEST(Creep, ABlockPushedByLessThanItsFrictionCreepsAtTheShareOfTheSaturationSpeed) {
     const model::Friction friction{0.09, 0.01};

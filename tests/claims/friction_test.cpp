@@ -28,7 +28,7 @@ struct Point {
     const double clamping = 20e3, limit = 0.1834 * clamping * point.driven_radius;
     const auto set = [](const std::string& key, double value) { return key + "=" + std::to_string(value); };
     return Operation(
-        scene_at_level("control", "medium",
+        scene_at_level("control", "fine",
                        {"start.settling_time=" + settling, "run.until=10 ms", "run.output_interval=20 us", set("start.ratio", point.ratio),
                         set("control.ratio", 1.002 * point.ratio), set("clamping.driven", clamping),
                         set("clamping.driving", point.thrust * clamping), set("load.torque", share * limit)}));
@@ -124,11 +124,10 @@ TEST(SheaveFriction, IsSharedEvenlyWhereTheGroovesAreInLine) {
 
 TEST(TipLaw, AConstantTableHasTheBitsOfTheConstantLaw) {
     const std::vector<std::string> table{"tip.friction_law=table", "tip.friction_table=[[0, 0.09], [0.05, 0.09], [1, 0.09]]"};
-    for (const auto& [level, method] :
-         {std::pair{"rigid", "auto"}, {"medium", "auto"}, {"medium", "leapfrog-chebyshev"}, {"medium", "dopri54"}})
+    for (const auto& [level, method] : {std::pair{"rigid", "auto"}, {"fine", "auto"}, {"fine", "leapfrog-chebyshev"}, {"fine", "dopri54"}})
         EXPECT_EQ(hash_of(level, method, table), hash_of(level, method, {})) << level << " " << method;
-    EXPECT_NE(hash_of("medium", "auto", {"tip.friction_law=table", "tip.friction_table=[[0, 0.09], [0.05, 0.05]]"}),
-              hash_of("medium", "auto", {}));
+    EXPECT_NE(hash_of("fine", "auto", {"tip.friction_law=table", "tip.friction_table=[[0, 0.09], [0.05, 0.05]]"}),
+              hash_of("fine", "auto", {}));
 }
 
 /// Friction that rises with the speed has a steady sliding speed: where 2 μ(v) S_2 r_2/cos β is the load's torque. The driven side alone
@@ -151,7 +150,7 @@ TEST(TipLaw, TheChainSlidesAsFastAsRisingFrictionCarriesTheLoad) {
 
 /// Beyond the maximum of falling friction the chain lets go. That is no error: the run ends as such, and its energy balances.
 TEST(TipLaw, EnergyBalancesWhereFrictionFallsAndTheChainLetsGo) {
-    for (const char* level : {"rigid", "medium"}) {
+    for (const char* level : {"rigid", "fine"}) {
         const Operation run(scene_at_level("baseline", level,
                                            {"tip.friction_law=table", "tip.friction_table=[[0.05, 0.09], [0.6, 0.07]]", "load.torque=205",
                                             "run.until=5 ms", "start.settling_time=10 ms"}));

@@ -49,7 +49,6 @@ TEST(ImplicitOrder, OnAFreeRing) {
 TEST(FrictionOrder, LeapfrogsAreStableToTheImaginaryBoundaryWithinTwoPercent) {
     model::Parameters p;
     p.detail.pulleys = model::PulleyDetail::absent;
-    p.detail.order = 1;
     p.start.layout = model::StartLayout::ring;
     p.chain.pins = 12;
     p.start.ring_speed = 600.0;

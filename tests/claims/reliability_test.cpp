@@ -30,8 +30,8 @@ const std::vector<Row>& rows() {
         {"control", {}, "", true},
         {"shift", {}, "", true},
         {"load_ramp", {}, "", false},
-        {"baseline", {"clamping.driven=30 kN", "clamping.driving=40.65 kN"}, "medium", true},
-        {"baseline", {"clamping.driven=40 kN", "clamping.driving=54.2 kN"}, "medium", true},
+        {"baseline", {"clamping.driven=30 kN", "clamping.driving=40.65 kN"}, "fine", true},
+        {"baseline", {"clamping.driven=40 kN", "clamping.driving=54.2 kN"}, "fine", true},
         {"baseline", {"joint.stiffness=1.4e9"}, "", true},
         {"baseline", {"half.mass=3.5 g"}, "", true},
         {"baseline", {"chain.damping_ratio=0.05"}, "", true},
@@ -40,7 +40,7 @@ const std::vector<Row>& rows() {
         {"baseline", {"joint.law=palmgren", "clamping.driven=50 kN", "clamping.driving=67.75 kN"}, "", true},
         {"baseline", {"pulley.sheave_mass=0.3 kg"}, "", true},
         {"baseline", {"pulley.cylinder_damping=1.4e6"}, "", true},
-        {"baseline", {"detail.order=0", "detail.plates=lumped", "detail.joint_points=1", "detail.pulleys=rigid", "start.state="}, "", true},
+        {"baseline", {"detail.plates=lumped", "detail.joint_points=2", "detail.pulleys=rigid", "start.state="}, "", true},
     };
     return all;
 }

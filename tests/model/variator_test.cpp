@@ -18,33 +18,28 @@ namespace {
 
 using oracle::Case;
 
-/// Every combination of order, plates, pulleys and joint points; quick: twelve that contain every pair of two of them.
+/// Every combination of plates, pulleys and joint points; quick: nine that contain every pair of two of them.
 std::vector<Case> detail_cases() {
     std::vector<Case> cases;
-    for (int order = 0; order <= 3; ++order) {
-        for (const auto plates : {model::PlateDetail::each, model::PlateDetail::lumped}) {
-            for (const auto pulleys : {model::PulleyDetail::elastic, model::PulleyDetail::rigid, model::PulleyDetail::absent}) {
-                for (const int points : {1, 3, 8}) {
-                    const int sum = order + static_cast<int>(pulleys);
-                    const bool chosen = points / 3 == sum % 3 && static_cast<int>(plates) == sum % 2;
-                    if (!test::is_deep() && !chosen) continue;
-                    model::Parameters p;
-                    p.detail.order = order;
-                    p.detail.plates = plates;
-                    p.detail.pulleys = pulleys;
-                    p.detail.joint_points = points;
-                    p.detail.friction = points == 8 ? model::FrictionLaw::smoothed : model::FrictionLaw::piecewise;
-                    p.detail.stick_slip = points == 1;
-                    p.joint.law = order == 2 ? model::JointLaw::palmgren : model::JointLaw::linear;
-                    p.start.layout = pulleys == model::PulleyDetail::absent ? model::StartLayout::ring : model::StartLayout::belt;
-                    p.control.enabled = pulleys == model::PulleyDetail::elastic && order == 1;
-                    p.ledger = order != 3 || plates == model::PlateDetail::each;
-                    if (order == 3) p.chain.pitch = {8.12e-3, 8.12e-3, 8.0e-3};
-                    cases.push_back({"order " + std::to_string(order) + ", plates " + std::to_string(static_cast<int>(plates)) +
-                                         ", pulleys " + std::to_string(static_cast<int>(pulleys)) + ", joint points " +
-                                         std::to_string(points),
-                                     p});
-                }
+    for (const auto plates : {model::PlateDetail::each, model::PlateDetail::lumped}) {
+        for (const auto pulleys : {model::PulleyDetail::elastic, model::PulleyDetail::rigid, model::PulleyDetail::absent}) {
+            for (const int points : {1, 3, 8}) {
+                const bool chosen = static_cast<int>(plates) == (points / 3 + static_cast<int>(pulleys)) % 2;
+                if (!test::is_deep() && !chosen) continue;
+                model::Parameters p;
+                p.detail.plates = plates;
+                p.detail.pulleys = pulleys;
+                p.detail.joint_points = points;
+                p.detail.friction = points == 8 ? model::FrictionLaw::smoothed : model::FrictionLaw::piecewise;
+                p.detail.stick_slip = points == 1;
+                p.joint.law = points == 3 ? model::JointLaw::palmgren : model::JointLaw::linear;
+                p.start.layout = pulleys == model::PulleyDetail::absent ? model::StartLayout::ring : model::StartLayout::belt;
+                p.control.enabled = pulleys == model::PulleyDetail::elastic && points == 1;
+                p.ledger = points != 8 || plates == model::PlateDetail::each;
+                if (points == 8) p.chain.pitch = {8.12e-3, 8.12e-3, 8.0e-3};
+                cases.push_back({"plates " + std::to_string(static_cast<int>(plates)) + ", pulleys " +
+                                     std::to_string(static_cast<int>(pulleys)) + ", joint points " + std::to_string(points),
+                                 p});
             }
         }
     }
@@ -129,13 +124,10 @@ std::vector<Case> imperfect_cases() {
             cases.push_back({name + "_rigid_pins", oracle::with_rigid_pins(p)});
         }
     }
-    for (int order = 0; order <= 3; ++order) {
-        model::Parameters p;
-        p.detail.order = order;
-        p.imperfection.pin_length_spread = 2e-6;
-        cases.push_back({"unequal_pins_" + std::to_string(order), p});
-        if (order == 2) cases.push_back({"unequal_rigid_pins", oracle::with_rigid_pins(p)});
-    }
+    model::Parameters p;
+    p.imperfection.pin_length_spread = 2e-6;
+    cases.push_back({"unequal_pins", p});
+    cases.push_back({"unequal_rigid_pins", oracle::with_rigid_pins(p)});
     return cases;
 }
 
@@ -143,16 +135,13 @@ std::vector<Case> imperfect_cases() {
 std::vector<Case> guide_cases() {
     std::vector<Case> cases;
     for (const double ratio : {0.6, 1.7}) {
-        for (int order = 0; order <= 3; ++order) {
-            model::Parameters p;
-            p.detail.order = order;
-            p.ledger = true;
-            p.start.ratio = ratio;
-            p.guide = {.stiffness = 5e7, .damping = 0.2, .clearance = 0.0, .offset = 1e-6, .friction = 0.3, .begin = 0.1, .end = 0.7};
-            const std::string name = ratio < 1.0 ? "overdrive_" : "low_";
-            cases.push_back({name + std::to_string(order), p});
-            if (order == 0) cases.push_back({name + "rigid_pins", oracle::with_rigid_pins(p)});
-        }
+        model::Parameters p;
+        p.ledger = true;
+        p.start.ratio = ratio;
+        p.guide = {.stiffness = 5e7, .damping = 0.2, .clearance = 0.0, .offset = 1e-6, .friction = 0.3, .begin = 0.1, .end = 0.7};
+        const std::string name = ratio < 1.0 ? "overdrive_" : "low_";
+        cases.push_back({name + "halves", p});
+        cases.push_back({name + "rigid_pins", oracle::with_rigid_pins(p)});
     }
     return cases;
 }
@@ -256,7 +245,6 @@ std::vector<model::Parameters> hydraulic_cases() {
     std::vector<model::Parameters> cases(4);
     for (model::Parameters& p : cases) {
         p.hydraulics.mode = model::HydraulicMode::force;
-        p.detail.order = 1;
         p.detail.plates = model::PlateDetail::lumped;
         p.control.enabled = true;
         p.control.driven = model::DrivenControl::slip;

@@ -34,7 +34,7 @@ std::vector<PlateSpring> plate_springs(const model::Parameters& parameters) {
         Real mean_square = 0.0L;
         for (const Real xi : places) mean_square += xi * xi / n;
         const Real radius = std::sqrt(mean_square);
-        places = parameters.detail.order == 0 ? std::vector<Real>{0.0L} : std::vector<Real>{-radius, radius};
+        places = {-radius, radius};
     }
     const Real springs = static_cast<Real>(places.size());
     const Real stiffness = n * Real{plate.stiffness};
@@ -95,11 +95,9 @@ void add_pack(const System& system, int number, const PackDeflection& d, Totals&
     const Real c = damping_of(system.parameters.chain.damping_ratio, d.stiffness, d.mass);
     const Real f = spring(u, rate, d.stiffness, c, totals.energies.pack, totals.loss(model::Loss::inner));
     LinkForce& force = totals.link[number];
-    if (system.layout.order >= 1) {
-        const Real per_slope = 2.0L / system.parameters.half.length;
-        force.rear.shape[1] += (-f * d.rear * per_slope) * d.direction;
-        force.front.shape[1] += (-f * d.front * per_slope) * d.direction;
-    }
+    const Real per_slope = 2.0L / system.parameters.half.length;
+    force.rear.shape[1] += (-f * d.rear * per_slope) * d.direction;
+    force.front.shape[1] += (-f * d.front * per_slope) * d.direction;
     force.front.z -= f * d.axial;
     force.rear.z += f * d.axial;
     force.turn(link, -f * u_turned);
@@ -115,12 +113,10 @@ void add_plate_pack(const System& system, int number, Totals& totals) {
     const Real torsion = p.plate.torsion_stiffness * p.plate.count;
     const Real half_length = p.half.length / 2.0L;
     const Real swing = 0.5L * (Real{p.detail.mass_scaling} * p.half.mass / 3.0L) * half_length * half_length;
-    const bool slopes = system.layout.order >= 1;
     // θ = -σ·t turns into -σ·n, σ·n into -σ·t.
-    if (slopes) add_pack(system, number, {1.0L, -1.0L, t, n, 0.0L, bending / rest, swing}, totals);
-    const Real shear_mass = slopes ? swing : spring_mass(p) * rest * rest / 4.0L;
-    add_pack(system, number, {-1.0L, -1.0L, t, n, -2.0L / rest, 3.0L * bending / rest, shear_mass}, totals);
-    if (slopes) add_pack(system, number, {-1.0L, 1.0L, n, -t, 0.0L, torsion, swing}, totals);
+    add_pack(system, number, {1.0L, -1.0L, t, n, 0.0L, bending / rest, swing}, totals);
+    add_pack(system, number, {-1.0L, -1.0L, t, n, -2.0L / rest, 3.0L * bending / rest, swing}, totals);
+    add_pack(system, number, {-1.0L, 1.0L, n, -t, 0.0L, torsion, swing}, totals);
 }
 
 void add_plate(const System& system, int number, const PlateSpring& plate, Totals& totals) {
@@ -151,7 +147,7 @@ void add_inner_elements(const System& system, Totals& totals) {
         const Link& link = system.links[i];
         for (const model::End end : {model::End::rear, model::End::front}) {
             add_extension(system, i + static_cast<int>(end), link.half(end), totals.link[i].half(end), totals);
-            for (int m = 2; m <= system.layout.order; ++m) {
+            for (int m = 2; m < system.layout.lateral(); ++m) {
                 add_half_bending(system, i, end, m, link.t, link.n, half.bending_travel, totals);
                 add_half_bending(system, i, end, m, link.n, -link.t, half.bending_height, totals);
             }

@@ -21,7 +21,7 @@ struct Basis {
 
 std::vector<Basis> bases_at(const model::ChainLayout& layout, Real xi) {
     Basis x, y;
-    for (int m = 0; m <= layout.order; ++m) {
+    for (int m = 0; m < layout.lateral(); ++m) {
         x.rear.push_back(layout.x(End::rear, m));
         x.front.push_back(layout.x(End::front, m));
         y.rear.push_back(layout.y(End::rear, m));
@@ -51,7 +51,7 @@ Matrix half_inertia(const System& system) {
     const Real mass = system.parameters.half.mass;
     Matrix matrix(layout.link_size(), std::vector<Real>(layout.link_size(), 0.0L));
     for (const End end : {End::rear, End::front}) {
-        for (int m = 0; m <= layout.order; ++m) {
+        for (int m = 0; m < layout.lateral(); ++m) {
             matrix[layout.x(end, m)][layout.x(end, m)] = mass / (2 * m + 1);
             matrix[layout.y(end, m)][layout.y(end, m)] = mass / (2 * m + 1);
         }

@@ -17,10 +17,10 @@ struct Case {
 
 /// A short chain of long links of two pitches, with few plates: everything the model has, at little cost.
 model::Parameters small_scene();
-/// All combinations of order 0…3, plates each/lumped, joint points 1, 3, 8, both joint laws, and pulleys elastic/rigid/absent; quick:
-/// twelve that contain every pair of two of these.
+/// All combinations of plates each/lumped, joint points 1, 3, 8, both joint laws, and pulleys elastic/rigid/absent; quick:
+/// nine that contain every pair of two of these.
 std::vector<Case> all_details(const model::Parameters& base);
-/// All combinations of order, plates and pulleys, with mass scaling.
+/// All combinations of plates and pulleys, with mass scaling.
 std::vector<Case> slowed_pins(const model::Parameters& base);
 /// The machine of these parameters with rigid pins.
 model::Parameters with_rigid_pins(model::Parameters parameters);

@@ -171,7 +171,7 @@ struct Builder {
         const Real tilting = layout.rigid ? 5e-5L : 3e-6L, aside = layout.rigid ? 8e-6L : 1e-6L, speed = layout.rigid ? 0.02L : 0.05L;
         for_all_halves([&](int link, End end) {
             const Vec2 travel = travel_velocity(laid(link, end));
-            for (int m = 0; m <= layout.order; ++m) {
+            for (int m = 0; m < layout.lateral(); ++m) {
                 const Real distance = m == 0 ? 1e-6L : m == 1 ? tilting : 2e-6L;
                 q(link, layout.x(end, m)) += dice.about_zero(distance);
                 q(link, layout.y(end, m)) += dice.about_zero(distance);

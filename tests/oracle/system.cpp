@@ -37,8 +37,8 @@ Vec2 Half::slope_rate_at(Real xi) const {
     return sum;
 }
 
-Vec2 Half::mean_slope() const { return order() == 0 ? Vec2{} : (2.0L / length) * shape[1]; }
-Vec2 Half::mean_slope_rate() const { return order() == 0 ? Vec2{} : (2.0L / length) * shape_rate[1]; }
+Vec2 Half::mean_slope() const { return (2.0L / length) * shape[1]; }
+Vec2 Half::mean_slope_rate() const { return (2.0L / length) * shape_rate[1]; }
 
 void HalfForce::push(Real xi, Vec3 force) {
     for (int m = 0; m < static_cast<int>(shape.size()); ++m) shape[m] += legendre(m, xi) * in_plane(force);
@@ -55,7 +55,7 @@ Half unpack_half(const model::Parameters& parameters, const model::ChainLayout& 
     const auto rates = block.subspan(layout.link_size());
     Half half;
     half.length = parameters.half.length;
-    for (int m = 0; m <= layout.order; ++m) {
+    for (int m = 0; m < layout.lateral(); ++m) {
         half.shape.push_back({block[layout.x(end, m)], block[layout.y(end, m)]});
         half.shape_rate.push_back({rates[layout.x(end, m)], rates[layout.y(end, m)]});
     }
@@ -153,7 +153,7 @@ std::vector<Real> pack_forces(const System& system, const Totals& totals) {
         for (const End end : {End::rear, End::front}) {
             const HalfForce& half = end == End::rear ? totals.link[i].rear : totals.link[i].front;
             const int begin = i * layout.link_size();
-            for (int m = 0; m <= layout.order; ++m) {
+            for (int m = 0; m < layout.lateral(); ++m) {
                 forces[begin + layout.x(end, m)] = half.shape[m].x;
                 forces[begin + layout.y(end, m)] = half.shape[m].y;
             }

@@ -57,17 +57,14 @@ void add_to_rigid_link(oracle::PinForces& forces, int link) {
 }
 
 /// Both chains, with the strut in the oracle while a test runs.
-class ForceRecipe : public ::testing::TestWithParam<int> {
+class ForceRecipe : public ::testing::TestWithParam<model::PinDetail> {
 protected:
     ForceRecipe() { oracle::further_element() = {add_to_halves, add_to_rigid_link}; }
     ~ForceRecipe() override { oracle::further_element() = {}; }
 
-    static constexpr int rigid = 4;  ///< instead of an order of pin halves
     [[nodiscard]] model::Parameters machine() const {
-        model::Parameters p = oracle::small_scene();
-        if (GetParam() == rigid) return oracle::with_rigid_pins(p);
-        p.detail.order = GetParam();
-        return p;
+        const model::Parameters p = oracle::small_scene();
+        return GetParam() == model::PinDetail::rigid ? oracle::with_rigid_pins(p) : p;
     }
 };
 
@@ -169,12 +166,12 @@ TEST_P(ForceRecipe, JacobianAgreesWithDifferencesOfTheOracle) {
     const int size = at.link_size(), begin = at.link_begin(2);
     bench::AccelerationJacobian exact(at);
     std::vector<double> differences;
-    if (GetParam() == rigid)
+    if (GetParam() == model::PinDetail::rigid)
         differences = bench::difference_jacobian(variator, 0.0, random.state, random.phases);
     else
         bench::ExactJacobian(variator).links(random.state.data(), random.phases.data(), 0, at.links, exact);
     const auto entry = [&](int row, int column) {
-        if (GetParam() != rigid) return exact.link(2, bench::Near::same, bench::With::position)[row * size + column];
+        if (GetParam() != model::PinDetail::rigid) return exact.link(2, bench::Near::same, bench::With::position)[row * size + column];
         return differences[static_cast<std::size_t>(begin + column) * static_cast<std::size_t>(at.size()) +
                            static_cast<std::size_t>(begin + size + row)];
     };
@@ -195,8 +192,8 @@ TEST_P(ForceRecipe, JacobianAgreesWithDifferencesOfTheOracle) {
     EXPECT_GT(change, 1e-4 * most);
 }
 
-INSTANTIATE_TEST_SUITE_P(BothChains, ForceRecipe, ::testing::Values(0, 1, 2, 3, 4),
-                         [](const auto& of) { return of.param == 4 ? std::string("rigid_pins") : "order_" + std::to_string(of.param); });
+INSTANTIATE_TEST_SUITE_P(BothChains, ForceRecipe, ::testing::Values(model::PinDetail::halves, model::PinDetail::rigid),
+                         [](const auto& of) { return std::string(name_of(of.param)); });
 
 }  // namespace
 }  // namespace cvtflow::recipes

@@ -30,10 +30,10 @@ struct FurtherElement {
     };
 
     /// Pin halves: adds to the generalized forces f of a link with velocities v, and to its moment about z, which a strut has none of.
-    template <int P, class Real, class Books>
+    template <class Real, class Books>
     static void of_halves(const LinkFrameOf<Real>& frame, const Real* v, Real* f, Real&, [[maybe_unused]] Books& books) noexcept {
-        constexpr int xa = link_layout<P>.x(End::rear, 0), ya = link_layout<P>.y(End::rear, 0), xb = link_layout<P>.x(End::front, 0),
-                      yb = link_layout<P>.y(End::front, 0);
+        constexpr int xa = link_layout.x(End::rear, 0), ya = link_layout.y(End::rear, 0), xb = link_layout.x(End::front, 0),
+                      yb = link_layout.y(End::front, 0);
         const Strut<Real> strut(1.0 / frame.inverse_length, (v[xb] - v[xa]) * frame.tx + (v[yb] - v[ya]) * frame.ty);
         const Real fx = strut.force * frame.tx, fy = strut.force * frame.ty;
         f[xb] -= fx;

@@ -54,7 +54,7 @@ void expect_no_allocation(Scene scene) {
     scene.run.output_interval = 20.0 * scene.run.step.value_or(automatic_step(Simulation(scene)));
     const bool one_segment = scene.parameters.detail.pins == model::PinDetail::rigid;
     scene.run.segments = one_segment ? 1 : std::min(5, scene.parameters.chain.pins);
-    scene.run.max_steps = 150;  // ends a settling run early
+    scene.run.max_steps = 200;  // ends a settling run early
     scene.run.schedule = "serial";
     Simulation simulation(scene);
     AllocationCounter counter(0);

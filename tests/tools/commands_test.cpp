@@ -151,7 +151,7 @@ TEST_F(Commands, CheckReportsWhatASceneIs) {
     const Outcome outcome = run({"check", "tiny", "--step", "50 ns"});
     EXPECT_EQ(outcome.status, 0);
     // Order 1: 4 (1 + 1) + 4 coordinates per link.
-    EXPECT_THAT(outcome.out, HasSubstr("324 coordinates (24 links x 12 + pulleys 36), 648 unknowns\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("516 coordinates (24 links x 20 + pulleys 36), 1 032 unknowns\n"));
     EXPECT_THAT(outcome.out, HasSubstr("geometric at ratio 1, settles for 10 ms\n"));
     EXPECT_THAT(outcome.out, HasSubstr("20 000 + 200 000 for settling\n"));  // (1 + 10) ms of 50 ns
     EXPECT_THAT(outcome.out, HasSubstr("880 000, plus transitions\n"));
@@ -199,8 +199,8 @@ TEST_F(Commands, InfoShowsRecords) {
 TEST_F(Commands, InfoShowsStates) {
     ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
     const std::string text = run({"info", "s.h5"}).out;
-    EXPECT_THAT(text,
-                AllOf(StartsWith("s.h5: state, "), HasSubstr("\n  time                0 s\n"), HasSubstr("\n  unknowns            648\n")));
+    EXPECT_THAT(
+        text, AllOf(StartsWith("s.h5: state, "), HasSubstr("\n  time                0 s\n"), HasSubstr("\n  unknowns            1 032\n")));
     EXPECT_THAT(text, AllOf(HasSubstr("\n  state hash "), HasSubstr("\n  settled with        scene tiny, 24 pins\n"),
                             HasSubstr(" 20 us of settling\n")));
 }

@@ -174,7 +174,10 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
     const std::vector<Mistake> mistakes{
         {{"run", "tiny", "--method", "rk5"}, 2, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
         {{"run", "tiny", "--method", "zzzzzz"}, 2, "--method zzzzzz: no method 'zzzzzz' (cvtflow list methods)"},
-        {{"run", "tiny", "--detail", "fein"}, 2, "--detail fein: not one of rigid, medium, fine, full (did you mean \"fine\"?)"},
+        {{"run", "tiny", "--detail", "medium"},
+         2,
+         "--detail medium: not one of rigid, fine, full (use \"fine\", or \"rigid\" at lower cost)"},
+        {{"run", "tiny", "--detail", "fein"}, 2, "--detail fein: not one of rigid, fine, full (did you mean \"fine\"?)"},
         {{"run", "tiny", "--set", "chain.pich=3"}, 2, "--set chain.pich=3: chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
         {{"run", "tiny", "--set", "chain.pins=abc"}, 2, "--set chain.pins=abc: chain.pins: \"abc\" is not an integer"},
         {{"run", "tiny", "--set", "nonsense"}, 2, "--set nonsense: not of the form key=value"},
@@ -259,14 +262,16 @@ TEST_F(Errors, InFilesSayWhatTheFileIs) {
         {{"run", "tiny", "--set", "start.state=record.h5"},
          1,
          "--set start.state=record.h5: start.state: FOLDER/record.h5: an HDF5 file, but not a state file (it is a record of a run)"},
-        {{"run", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"},
+        {{"run", "tiny", "--set", "start.state=state.h5", "--set", "detail.pulleys=rigid"},
          1,
-         "--set start.state=state.h5: start.state: FOLDER/state.h5 contains 648 unknowns, this scene has 456\n  detail.order = 0, settled "
-         "with 1"},
-        {{"check", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"},
+         "--set start.state=state.h5: start.state: FOLDER/state.h5 contains 1032 unknowns, this scene has 968\n  detail.pulleys = "
+         "\"rigid\", "
+         "settled with \"elastic\""},
+        {{"check", "tiny", "--set", "start.state=state.h5", "--set", "detail.pulleys=rigid"},
          1,
-         "--set start.state=state.h5: start.state: FOLDER/state.h5 contains 648 unknowns, this scene has 456\n  detail.order = 0, settled "
-         "with 1"},
+         "--set start.state=state.h5: start.state: FOLDER/state.h5 contains 1032 unknowns, this scene has 968\n  detail.pulleys = "
+         "\"rigid\", "
+         "settled with \"elastic\""},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);
 }

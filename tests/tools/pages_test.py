@@ -254,12 +254,12 @@ class SeveralRecords(Pages):
         self.has(text, "The same in every common row: ratio")
 
     def test_counts_two_levels_of_detail_as_one_difference(self):
-        for level in ("medium", "fine"):
+        for level in ("full", "fine"):
             record(level + ".h5", "--detail", level)
-        text = page("medium.h5", "fine.h5")
-        self.has(text, "<title>cvtflow: tiny: detail.level medium, detail.level fine</title>")
+        text = page("full.h5", "fine.h5")
+        self.has(text, "<title>cvtflow: tiny: detail.level full, detail.level fine</title>")
         self.has(text, 'data-key="detail.level"')
-        self.lacks(text, 'data-key="detail.order"')
+        self.lacks(text, 'data-key="detail.joint_points"')
 
 
 class MeasuredData(Pages):

@@ -342,13 +342,13 @@ TEST_F(PlotCommand, TheTargetOfARatioIsDrawnInItsPanel) {
 
 TEST_F(PlotCommand, OfASweepStatesItsLevelAndWhereAMapIsLargest) {
     write("sweep.toml",
-          "[sweep]\nscene = \"tiny\"\ndetail = \"medium\"\n[set]\nrun.until = \"20 us\"\nstart.state = \"\"\n"
+          "[sweep]\nscene = \"tiny\"\ndetail = \"fine\"\n[set]\nrun.until = \"20 us\"\nstart.state = \"\"\n"
           "start.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [\"6 N*m\", \"7 N*m\"]\n"
           "[[axes]]\nkey = \"drive.speed\"\nvalues = [\"900 rpm\", \"1000 rpm\"]\n[outputs]\nscalars = [\"slip mean\"]\n");
     const Outcome batch = run({"batch", "sweep.toml", "-q", "-o", "swept"});
     ASSERT_EQ(batch.status, 0) << batch.err;
     ASSERT_EQ(run({"plot", "swept", "--x", "load.torque", "--y", "drive.speed", "--colour", "slip mean", "-o", "p.svg"}).status, 0);
-    EXPECT_THAT(read("p.svg"), HasSubstr(">sweep sweep, medium, 4 cases; ring: largest, "));
+    EXPECT_THAT(read("p.svg"), HasSubstr(">sweep sweep, fine, 4 cases; ring: largest, "));
     ASSERT_EQ(run({"report", "swept", "-o", "page.html"}).status, 0);
     EXPECT_THAT(read("page.html"), testing::AllOf(HasSubstr("What was simulated"), HasSubstr("24 pins"), HasSubstr("common to all cases"),
                                                   testing::Not(HasSubstr("<td><code>load.torque</code></td>"))));

@@ -54,8 +54,7 @@ private:
 void Replacement::make() const {
     write_sweep("\"6 N*m\"", "20 us");
     write("scene.toml",
-          "[chain]\npins = 24\npitch = \"16.6 mm\"\n[plate]\ncount = 4\n[pulley]\ncentre_distance = \"100 mm\"\n[detail]\norder = "
-          "0\nplates = "
+          "[chain]\npins = 24\npitch = \"16.6 mm\"\n[plate]\ncount = 4\n[pulley]\ncentre_distance = \"100 mm\"\n[detail]\nplates = "
           "\"lumped\"\njoint_points = 1\npulleys = \"rigid\"\n[start]\nsettling_time = \"20 us\"\nramp_time = \"10 us\"\n[run]\nuntil = "
           "\"20 us\"\n");
     write("numbers.csv", "time [s],load [N*m]\n0,1\n1,2\n");

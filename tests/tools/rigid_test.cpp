@@ -26,7 +26,7 @@ protected:
 TEST_F(RigidPins, AreCheckedWithTimeAndBytes) {
     const Outcome outcome = run(Words{"check", "baseline"} + level);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr("rigid (order 2, lumped plates, rigid pins, elastic pulleys)"));
+    EXPECT_THAT(outcome.out, HasSubstr("rigid (lumped plates, rigid pins, elastic pulleys)"));
     EXPECT_THAT(run({"list", "detail"}).out, HasSubstr("\nrigid "));
     EXPECT_THAT(run({"explain", "detail.pins"}).out, HasSubstr("rigid"));
     EXPECT_THAT(run({"schema"}).out, HasSubstr("\"rigid\""));
@@ -71,7 +71,7 @@ TEST_F(RigidPins, ResumeBitForBitAfterKills) {
 
 TEST_F(RigidPins, SweepIntoATable) {
     write("sweep.toml",
-          "[sweep]\nscene = \"tiny\"\n[set]\ndetail.pins = \"rigid\"\ndetail.order = 2\nrun.method = \"leapfrog-rigid\"\nrun.step = \"2 "
+          "[sweep]\nscene = \"tiny\"\n[set]\ndetail.pins = \"rigid\"\nrun.method = \"leapfrog-rigid\"\nrun.step = \"2 "
           "us\"\nrun.until = "
           "\"1 ms\"\nstart.settling_time = \"1 ms\"\nstart.ramp_time = \"1 ms\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [\"6 N*m\", "
           "\"12 N*m\"]\n[outputs]\nscalars = [\"slip mean\", \"tight_tension max\"]\n[start]\nmode = \"settle\"\n");
@@ -94,7 +94,6 @@ TEST_F(RigidPins, RefuseWhatTheyDoNotHave) {
         return outcome.err;
     };
     EXPECT_THAT(refusal({"--set", "run.method=leapfrog-sweep"}), HasSubstr("method 'leapfrog-sweep' requires detail.pins = \"halves\""));
-    EXPECT_THAT(refusal({"--set", "detail.order=1"}), HasSubstr("detail.order: detail.pins = \"rigid\" has order 2, not 1"));
     EXPECT_THAT(refusal({"--set", "detail.plates=each"}), HasSubstr("has \"lumped\" plates"));
     EXPECT_THAT(refusal({"--set", "detail.stick_slip=true"}), HasSubstr("no phases stick and slip"));
     EXPECT_THAT(refusal({"--set", "joint.law=palmgren"}), HasSubstr("joints of law \"linear\""));

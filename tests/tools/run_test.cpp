@@ -185,7 +185,7 @@ TEST_F(Run, OfAnotherDetailDropsTheStateFileAndReportsIt) {
     write_settled_scene();
     const Outcome outcome = run({"run", "settled.toml", "--detail", "rigid"});
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(outcome.err, StartsWith("cvtflow: detail.pins = \"rigid\" (was \"halves\"), detail.order = 2 (was 1): "
+    EXPECT_THAT(outcome.err, StartsWith("cvtflow: detail.pins = \"rigid\" (was \"halves\"): "
                                         "the state in " +
                                         folder_.string() + "/state.h5 no longer fits; the run settles again\nsettling: "));
 }

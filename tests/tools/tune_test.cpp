@@ -107,7 +107,7 @@ TEST_F(Tune, SweepsWithAnAccuracyCarryTheirErrorsAndSayWhereTheyMissIt) {
     EXPECT_EQ(hash_in(again.out), hash_in(outcome.out));
     for (const auto& entry : std::filesystem::directory_iterator(folder_ / "out")) {  // as if the corners had misled it
         if (entry.path().extension() == ".tuning")
-            tasks::keep_tuning(folder_ / "out", entry.path().stem().string(), {{"medium", "leapfrog-chebyshev"}, 0.0, 0.001});
+            tasks::keep_tuning(folder_ / "out", entry.path().stem().string(), {{"", "leapfrog-chebyshev"}, 0.0, 0.001});
     }
     std::filesystem::remove(folder_ / "out" / "cases.h5");
     const Outcome missed = batch({"-q"});

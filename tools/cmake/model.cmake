@@ -7,7 +7,7 @@ set(CVTFLOW_KERNEL_DECLARATIONS "")
 foreach(isa ${isas})
   add_library(cvtflow_kernels_${isa} OBJECT ${kernel_sources})
   cvtflow_kernels(cvtflow_kernels_${isa} ${isa})
-  string(APPEND CVTFLOW_KERNEL_DECLARATIONS "template <>\nKernels native_kernels<Isa::${isa}>(int order) noexcept;\n"
+  string(APPEND CVTFLOW_KERNEL_DECLARATIONS "template <>\nKernels native_kernels<Isa::${isa}>() noexcept;\n"
     "template <>\nRigidKernels rigid_kernels<Isa::${isa}>() noexcept;\n")
   string(APPEND CVTFLOW_KERNEL_ROWS "        {Isa::${isa}, native_kernels<Isa::${isa}>, rigid_kernels<Isa::${isa}>},\n")
   list(APPEND kernel_parts cvtflow_kernels_${isa})

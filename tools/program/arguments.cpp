@@ -16,7 +16,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// "detail.order = 0 (was 3), …" of the keys that determine the state; empty if nothing changed.
+/// "detail.plates = lumped (was each), …" of the keys that determine the state; empty if nothing changed.
 std::string changes(const tasks::Scene& before, const tasks::Scene& now) {
     const auto of_state = [keys = tasks::state_keys()](const tasks::Parameter& row) {
         return std::ranges::find(keys, row.key) != keys.end();

@@ -37,7 +37,7 @@ public:
     [[nodiscard]] Scene with(std::initializer_list<std::string> settings) const {
         return with(std::span<const std::string>(settings.begin(), settings.size()));
     }
-    /// This scene at a level of detail: "rigid", "medium", "fine", "full". A state file that then no longer fits is dropped.
+    /// This scene at a level of detail: "rigid", "fine", "full". A state file that then no longer fits is dropped.
     /// @throws Error (scene)
     [[nodiscard]] Scene with_detail(const std::string& preset) const;
 

@@ -19,7 +19,7 @@ class Motion:
     def __init__(self, record, most):
         scene, all_times = record.scene, record.states.time
         self.recorded, self.pins = len(all_times), int(scene["chain.pins"])
-        self.rigid, self.order = scene["detail.pins"] == "rigid", int(scene["detail.order"])
+        self.rigid, self.order = scene["detail.pins"] == "rigid", 2 if scene["detail.pins"] == "rigid" else 3
         self.has_pulleys = scene["detail.pulleys"] != "absent"
         self.distance = float(scene["pulley.centre_distance"])
         count = min(self.recorded, most)

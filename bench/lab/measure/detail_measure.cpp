@@ -99,8 +99,7 @@ tasks::Scene scene_of(const DetailArguments& arguments, const std::string& name,
                       std::vector<std::string> more = {}) {
     SceneArguments scene;
     scene.scene = name;
-    scene.settings = {fmt::format("detail.order={}", v.order),
-                      v.plates == model::PlateDetail::each ? "detail.plates=each" : "detail.plates=lumped",
+    scene.settings = {v.plates == model::PlateDetail::each ? "detail.plates=each" : "detail.plates=lumped",
                       fmt::format("detail.joint_points={}", v.joint_points),
                       v.pulleys == model::PulleyDetail::elastic ? "detail.pulleys=elastic" : "detail.pulleys=rigid",
                       fmt::format("detail.pins={}", name_of(v.pins)),
@@ -134,8 +133,8 @@ void average(tasks::Simulation& simulation, double settle, double length, Detail
 std::string DetailVariant::name() const {
     if (!preset.empty()) return fmt::format("{}{}", preset, share == 1.0 ? "" : fmt::format(", 1/{:g} of its step", 1.0 / share));
     const std::string slowed = mass_scaling == 1.0 ? "" : fmt::format(", mass x {:g}", mass_scaling);
-    return fmt::format("{}p={} {:6} {} pt {}{}", pins == model::PinDetail::halves ? std::string() : fmt::format("{} pins, ", name_of(pins)),
-                       order, plates == model::PlateDetail::each ? "each" : "lumped", joint_points,
+    return fmt::format("{}{:6} {} pt {}{}", pins == model::PinDetail::halves ? std::string() : fmt::format("{} pins, ", name_of(pins)),
+                       plates == model::PlateDetail::each ? "each" : "lumped", joint_points,
                        pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", slowed);
 }
 
@@ -144,27 +143,20 @@ std::vector<DetailVariant> detail_variants(bool all) {
     using enum model::PulleyDetail;
     if (!all) {
         return {full_detail,
-                {2, each, 8, elastic},
-                {1, each, 8, elastic},
-                {0, each, 8, elastic},
-                {3, lumped, 8, elastic},
-                {3, each, 3, elastic},
-                {3, each, 1, elastic},
-                {3, each, 8, rigid},
-                {1, lumped, 3, elastic},
-                {1, lumped, 1, rigid},
-                {0, lumped, 1, rigid},
-                {2, lumped, 1, elastic, model::PinDetail::rigid},
-                {.order = 1, .plates = lumped, .joint_points = 3, .pulleys = elastic, .mass_scaling = 3.0}};
+                {lumped, 8, elastic},
+                {each, 3, elastic},
+                {each, 1, elastic},
+                {each, 8, rigid},
+                {lumped, 3, elastic},
+                {lumped, 1, rigid},
+                {lumped, 1, elastic, model::PinDetail::rigid},
+                {.plates = lumped, .joint_points = 3, .pulleys = elastic, .mass_scaling = 3.0}};
     }
     std::vector<DetailVariant> list{full_detail};
-    for (int order = 3; order >= 0; --order) {
-        for (const auto plates : {each, lumped}) {
-            for (const int points : {8, 3, 1}) {
-                for (const auto pulleys : {elastic, rigid}) {
-                    if (list.size() > 1 || order != 3 || plates != each || points != 8 || pulleys != elastic)
-                        list.push_back({order, plates, points, pulleys});
-                }
+    for (const auto plates : {each, lumped}) {
+        for (const int points : {8, 3, 1}) {
+            for (const auto pulleys : {elastic, rigid}) {
+                if (list.size() > 1 || plates != each || points != 8 || pulleys != elastic) list.push_back({plates, points, pulleys});
             }
         }
     }
@@ -299,7 +291,7 @@ std::vector<LadderPoint> ladder_points(const DetailArguments& arguments) {
 }
 
 DetailVariant level_variant(const tasks::DetailPreset& preset, double share) {
-    return {preset.order, preset.plates, preset.joint_points, preset.pulleys, preset.pins, preset.name, share, preset.mass_scaling};
+    return {preset.plates, preset.joint_points, preset.pulleys, preset.pins, preset.name, share, preset.mass_scaling};
 }
 
 Ladder measure_ladder(const DetailArguments& arguments, const LadderPoint& point) {

@@ -27,7 +27,6 @@ struct DetailArguments {
 
 /// A combination of the dials.
 struct DetailVariant {
-    int order;
     model::PlateDetail plates;
     int joint_points;
     model::PulleyDetail pulleys;
@@ -37,7 +36,7 @@ struct DetailVariant {
     double mass_scaling = 1.0;  ///< [1]
     [[nodiscard]] std::string name() const;
 };
-inline constexpr DetailVariant full_detail{3, model::PlateDetail::each, 8, model::PulleyDetail::elastic};
+inline constexpr DetailVariant full_detail{model::PlateDetail::each, 8, model::PulleyDetail::elastic};
 
 /// Full detail first, then one key changed at a time, then several; or every combination.
 [[nodiscard]] std::vector<DetailVariant> detail_variants(bool all);

@@ -90,7 +90,7 @@ void LinearMethod::prepare_link(int link) noexcept {
     double* r = velocities(right_side_, link);
     coordinates_right(at.link_begin(link) + size_, size_, r);
     const int near[3] = {at.previous(link), link, at.next(link)};
-    double coordinates[4 * model::max_lateral + 4];
+    double coordinates[4 * model::axis_terms + 4];
     for (int n = 0; n < 3; ++n) {
         coordinates_right(at.link_begin(near[n]), size_, coordinates);
         add_product(size_, size_, theta(), jacobian_.link(link, static_cast<bench::Near>(n), bench::With::position), coordinates, r);

@@ -23,28 +23,26 @@ namespace {
     return std::any_of(phases, phases + tips_per_link, [](Phase phase) { return phase != Phase::free; });
 }
 
-template <int P>
 [[nodiscard]] DualFrame dual_frame(const double* state) noexcept {
-    constexpr int n = link_layout<P>.link_size(), xa = link_layout<P>.x(End::rear, 0), ya = link_layout<P>.y(End::rear, 0),
-                  xb = link_layout<P>.x(End::front, 0), yb = link_layout<P>.y(End::front, 0);
+    constexpr int n = link_layout.link_size(), xa = link_layout.x(End::rear, 0), ya = link_layout.y(End::rear, 0),
+                  xb = link_layout.x(End::front, 0), yb = link_layout.y(End::front, 0);
     using T = Dual<4>;
-    T q[link_layout<0>.link_size()], v[link_layout<0>.link_size()];  // of a link of order 0 whose rear half is at the origin
-    q[link_layout<0>.x(End::front, 0)] = T::variable(state[xb] - state[xa], 0);
-    q[link_layout<0>.y(End::front, 0)] = T::variable(state[yb] - state[ya], 1);
-    v[link_layout<0>.x(End::front, 0)] = T::variable(state[n + xb] - state[n + xa], 2);
-    v[link_layout<0>.y(End::front, 0)] = T::variable(state[n + yb] - state[n + ya], 3);
-    return link_frame<0>(q, v);
+    T q[link_layout.link_size()], v[link_layout.link_size()];  // of a link whose rear half is at the origin
+    q[link_layout.x(End::front, 0)] = T::variable(state[xb] - state[xa], 0);
+    q[link_layout.y(End::front, 0)] = T::variable(state[yb] - state[ya], 1);
+    v[link_layout.x(End::front, 0)] = T::variable(state[n + xb] - state[n + xa], 2);
+    v[link_layout.y(End::front, 0)] = T::variable(state[n + yb] - state[n + ya], 3);
+    return link_frame(q, v);
 }
 
 /// Rows of a link, brought to the blocks of the Jacobian.
-template <int P>
-void store(const ExactJacobian& exact, LinkRows<P>& rows, int link, std::optional<int> shaft, AccelerationJacobian& out) noexcept {
-    constexpr int n = LinkRows<P>::size;
+void store(const ExactJacobian& exact, LinkRows& rows, int link, std::optional<int> shaft, AccelerationJacobian& out) noexcept {
+    constexpr int n = LinkRows::size;
     const int border = out.border();
     for (const With with : {With::position, With::velocity}) {
         for (int near = 0; near < 3; ++near) {
             double* block = out.link(link, static_cast<Near>(near), with);
-            for (int r = 0; r < n; ++r) std::copy_n(rows.row(r) + LinkRows<P>::column(near, with, 0), n, block + r * n);
+            for (int r = 0; r < n; ++r) std::copy_n(rows.row(r) + LinkRows::column(near, with, 0), n, block + r * n);
         }
         std::fill_n(out.columns(link, with), n * border, 0.0);
     }
@@ -55,44 +53,42 @@ void store(const ExactJacobian& exact, LinkRows<P>& rows, int link, std::optiona
             const int coordinate = map.coordinate[static_cast<std::size_t>(d)];
             if (coordinate < 0) continue;
             double* columns = out.columns(link, d < sheave_positions ? With::position : With::velocity) + coordinate;
-            for (int r = 0; r < n; ++r) columns[r * border] += rows.row(r)[LinkRows<P>::sheave_column(side, d)];
+            for (int r = 0; r < n; ++r) columns[r * border] += rows.row(r)[LinkRows::sheave_column(side, d)];
         }
     }
 }
 
-template <int P>
 void add_tips(const ExactJacobian& exact, const Coefficients& c, const double* state, const DualFrame& frame, const Phase* phases, int link,
-              int shaft, const SheaveMotion* sheaves, LinkRows<P>& rows, AccelerationJacobian& out, SheaveStiffness* stiffness) noexcept {
+              int shaft, const SheaveMotion* sheaves, LinkRows& rows, AccelerationJacobian& out, SheaveStiffness* stiffness) noexcept {
     for (int tip = 0; tip < tips_per_link; ++tip) {
         if (phases[tip] == Phase::free) continue;
         const int side = tip % 2, number = 2 * shaft + side;
-        const TipRows<P> effect(c, state, frame, sheaves[number], tip < 2 ? End::rear : End::front, side, phases[tip]);
+        const TipRows effect(c, state, frame, sheaves[number], tip < 2 ? End::rear : End::front, side, phases[tip]);
         effect.add_to(rows);
         effect.add_to_sheave(exact.sheave(number), link, out, stiffness[side]);
     }
 }
 
-template <int P>
 void link_jacobian(const ExactJacobian& exact, const Variator& variator, const double* state, const Phase* phases, int link,
                    AccelerationJacobian& out, SheaveStiffness* stiffness, const SheaveMotion* sheaves) noexcept {
     const Coefficients& c = variator.chain().coefficients();
     const ChainLayout& layout = variator.layout();
     const auto of = [&](int number) { return state + layout.link_begin(number); };
     const double *before = of(layout.previous(link)), *own = of(link), *after = of(layout.next(link));
-    const DualFrame frame_before = dual_frame<P>(before), frame = dual_frame<P>(own), frame_after = dual_frame<P>(after);
-    LinkRows<P> rows;
-    add_inner<P>(c, c.kind(link), own, rows);
-    add_plates<P>(c, c.kind(link), own, rows);
+    const DualFrame frame_before = dual_frame(before), frame = dual_frame(own), frame_after = dual_frame(after);
+    LinkRows rows;
+    add_inner(c, c.kind(link), own, rows);
+    add_plates(c, c.kind(link), own, rows);
     const JointLinks rear{before, own, frame_before, frame, 0}, front{own, after, frame, frame_after, 1};
-    JointRows<P>(c, rear, true).add_to(rear, rows);
-    JointRows<P>(c, front, false).add_to(front, rows);
-    for (const With with : {With::position, With::velocity}) std::fill_n(out.rows(link, with), LinkRows<P>::size * out.border(), 0.0);
+    JointRows(c, rear, true).add_to(rear, rows);
+    JointRows(c, front, false).add_to(front, rows);
+    for (const With with : {With::position, With::velocity}) std::fill_n(out.rows(link, with), LinkRows::size * out.border(), 0.0);
     stiffness[0] = stiffness[1] = {};
     const auto shaft = touches(phases) ? std::optional(variator.chain().shaft_of(own)) : std::nullopt;
-    if (shaft) add_tips<P>(exact, c, own, frame, phases, link, *shaft, sheaves, rows, out, stiffness);
+    if (shaft) add_tips(exact, c, own, frame, phases, link, *shaft, sheaves, rows, out, stiffness);
     rows.fold_moment(frame);
     rows.accelerate(variator.chain().inertia());
-    store<P>(exact, rows, link, shaft, out);
+    store(exact, rows, link, shaft, out);
 }
 
 }  // namespace
@@ -103,7 +99,7 @@ ExactJacobian::ExactJacobian(const Variator& variator)
       tail_(static_cast<std::size_t>(variator.layout().size() - variator.layout().pulley_begin())),
       above_(tail_),
       below_(tail_) {
-    link_ = of_order(variator.layout().order, []<int P>() { return &link_jacobian<P>; });
+    link_ = &link_jacobian;
     if (variator.layout().pulley_size != 0) find_maps();
 }
 

@@ -38,10 +38,10 @@ constexpr double beyond_stability = 1.25;
 
 const char* const methods[] = {"rk4", "dopri54", "dumka3-p3", "leapfrog-chebyshev"};
 
-/// The levels of the catalogue, and one with straight halves and rigid sheaves that it does not have.
+/// The levels of the catalogue, and one with lumped plates and rigid sheaves that it does not have.
 std::vector<std::pair<std::string, Scene>> details(const Scene& scene) {
-    std::vector<std::pair<std::string, Scene>> all{{"straight", scene}};
-    set_values(all.front().second, std::vector<std::string>{"detail.order=0", "detail.pulleys=rigid"});
+    std::vector<std::pair<std::string, Scene>> all{{"lumped", scene}};
+    set_values(all.front().second, std::vector<std::string>{"detail.plates=lumped", "detail.pulleys=rigid"});
     for (const DetailPreset& preset : detail_presets().subspan(1)) {  // rigid pins count no transitions and take none of these methods
         all.emplace_back(preset.name, scene);
         apply_detail(all.back().second, preset.name);

@@ -66,8 +66,8 @@ void draw_parameter(const Parameter& parameter, Urn& urn, Scene& scene, std::vec
     settings.push_back(fmt::format("{}={:.6g}", parameter.key, value));
 }
 
-/// Rigid pins take none of the methods and laws drawn beside it. "medium" also has the tickets of a level that is gone: others keep theirs.
-constexpr std::string_view levels_drawn[] = {"medium", "medium", "fine", "full"};
+/// Rigid pins take none of the methods and laws drawn beside it. "fine" also has the tickets of levels that are gone: others keep theirs.
+constexpr std::string_view levels_drawn[] = {"fine", "fine", "fine", "full"};
 
 /// Any detail, all physical parameters, any operating point.
 LotteryMachine machine_of_defaults(Urn& urn, Scene& scene) {
@@ -296,8 +296,8 @@ LotteryTicket play(std::uint64_t seed, long number, const LotteryRules& rules) {
     ticket.number = number;
     try {
         const Scene scene = lottery_scene(seed, number, rules);
-        ticket.detail = fmt::format("{}{}{}{}", pin_words(scene.parameters.detail.pins), scene.parameters.detail.order,
-                                    scene.parameters.detail.plates == model::PlateDetail::each ? " each" : " lumped",
+        ticket.detail = fmt::format("{}{}{}", pin_words(scene.parameters.detail.pins),
+                                    scene.parameters.detail.plates == model::PlateDetail::each ? "each" : "lumped",
                                     scene.parameters.detail.pulleys == model::PulleyDetail::elastic ? " elastic" : " rigid");
         settle_and_run(scene, ticket, rules);
     } catch (const std::exception& error) {

@@ -177,8 +177,7 @@ private:
         const auto name = view.text("key");
         const Parameter* parameter = name ? find_parameter(*name) : nullptr;
         if (name && parameter == nullptr)
-            view.problem(view.find("key")->position,
-                         fmt::format("key: unknown key {}{}", toml_text(*name), engine::did_you_mean(nearest_keys(*name))));
+            view.problem(view.find("key")->position, fmt::format("key: unknown key {}{}", toml_text(*name), key_hint(*name)));
         return parameter;
     }
 
@@ -343,8 +342,7 @@ private:
     }
 
     void take(std::size_t column, const std::string& key, const Parameter* parameter) {
-        if (parameter == nullptr)
-            return problem(column + 1, fmt::format("unknown key {}{}", toml_text(key), engine::did_you_mean(nearest_keys(key))));
+        if (parameter == nullptr) return problem(column + 1, fmt::format("unknown key {}{}", toml_text(key), key_hint(key)));
         taken_.push_back(column);
         axis_.keys.push_back(parameter);
     }

@@ -211,8 +211,7 @@ private:
                 setting(*parameter, row->node);
             else
                 problems_.push_back(
-                    {row->position, fmt::format("set.{}: unknown key{}", key,
-                                                problems_.size() < max_problems ? engine::did_you_mean(nearest_keys(key)) : "")});
+                    {row->position, fmt::format("set.{}: unknown key{}", key, problems_.size() < max_problems ? key_hint(key) : "")});
         }
     }
 

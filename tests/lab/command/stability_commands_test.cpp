@@ -28,7 +28,7 @@ TEST_F(StabilityCommands, SpectrumReportsExtentBandsAndTheLongestStep) {
     EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  largest stable step [0-9.]+ ns predicted \\(by .* 1/s\\), [0-9.]+ ns measured"));
     EXPECT_THAT(outcome.out, HasSubstr("\n  growth              not checked: extreme eigenvalues only\n"));
     const auto json = nlohmann::json::parse(read("s/spectrum.json"));
-    EXPECT_EQ(json["unknowns"], 648);
+    EXPECT_EQ(json["unknowns"], 1032);
     EXPECT_EQ(json["eigenvalues"].size(), std::size_t(json["extent"]["below_1e6"]) + 2);  // and the pair that oscillates fastest
     EXPECT_NEAR(double(json["stable_step"]["measured"]) / double(json["stable_step"]["predicted"]), 1.0, 0.15);  // barely settled, it moves
     EXPECT_THAT(read("s/spectrum.csv"), StartsWith("real,imaginary,share_joints,share_plates,share_tips\n-"));

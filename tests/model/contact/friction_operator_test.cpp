@@ -34,35 +34,32 @@ std::vector<Phase> found_phases(const Variator& variator, const oracle::RandomSt
 
 TEST(FrictionOperator, ARecordFindsTheTipsThatTouchByTheRule) {
     const PhaseRule rule;
-    for (int order = 0; order <= 3; ++order) {
-        for (const auto pulleys : {PulleyDetail::rigid, PulleyDetail::elastic}) {
-            Parameters p = oracle::small_scene();
-            p.detail.order = order;
-            p.detail.pulleys = pulleys;
-            const auto random = oracle::random_state(p, 33);
-            const Variator variator(p);
-            SheaveMotion sheaves[4];
-            variator.pulleys().motions(random.state.data() + variator.layout().pulley_begin(), sheaves);
-            for (const Phase begin : {Phase::free, Phase::touching}) {
-                std::vector<Phase> due;
-                double deepest = 0.0;
-                for (int link = 0; link < p.chain.pins; ++link) {
-                    TipProbe probe;
-                    variator.chain().probe(random.state.data() + variator.layout().link_begin(link), sheaves, false, probe);
-                    for (const double depth : probe.depth) {
-                        due.push_back(rule.next(begin, {depth, 0.0}));
-                        deepest = std::max(deepest, depth);
-                    }
+    for (const auto pulleys : {PulleyDetail::rigid, PulleyDetail::elastic}) {
+        Parameters p = oracle::small_scene();
+        p.detail.pulleys = pulleys;
+        const auto random = oracle::random_state(p, 33);
+        const Variator variator(p);
+        SheaveMotion sheaves[4];
+        variator.pulleys().motions(random.state.data() + variator.layout().pulley_begin(), sheaves);
+        for (const Phase begin : {Phase::free, Phase::touching}) {
+            std::vector<Phase> due;
+            double deepest = 0.0;
+            for (int link = 0; link < p.chain.pins; ++link) {
+                TipProbe probe;
+                variator.chain().probe(random.state.data() + variator.layout().link_begin(link), sheaves, false, probe);
+                for (const double depth : probe.depth) {
+                    due.push_back(rule.next(begin, {depth, 0.0}));
+                    deepest = std::max(deepest, depth);
                 }
-                EXPECT_GT(std::count(due.begin(), due.end(), Phase::touching), 8) << "tips of both kinds";
-                EXPECT_GT(std::count(due.begin(), due.end(), Phase::free), 8);
-                for (const int length : {1, 3, p.chain.pins}) {
-                    TipSearch in_limits{nullptr, rule.release, deepest, 0.0, 1.0}, beyond{nullptr, rule.release, 0.9 * deepest, 0.0, 1.0};
-                    EXPECT_EQ(found_phases(variator, random, begin, in_limits, length), due) << order << ", " << length;
-                    EXPECT_FALSE(in_limits.suspect);
-                    (void)found_phases(variator, random, begin, beyond, length);
-                    EXPECT_TRUE(beyond.suspect);
-                }
+            }
+            EXPECT_GT(std::count(due.begin(), due.end(), Phase::touching), 8) << "tips of both kinds";
+            EXPECT_GT(std::count(due.begin(), due.end(), Phase::free), 8);
+            for (const int length : {1, 3, p.chain.pins}) {
+                TipSearch in_limits{nullptr, rule.release, deepest, 0.0, 1.0}, beyond{nullptr, rule.release, 0.9 * deepest, 0.0, 1.0};
+                EXPECT_EQ(found_phases(variator, random, begin, in_limits, length), due) << length;
+                EXPECT_FALSE(in_limits.suspect);
+                (void)found_phases(variator, random, begin, beyond, length);
+                EXPECT_TRUE(beyond.suspect);
             }
         }
     }

@@ -80,7 +80,7 @@ void expect_lanes_equal_links(const Parameters& p, const std::string& name, std:
 }
 
 TEST(LanePass, LinksSideBySideGiveTheBitsOfLinksOneByOneAtEveryDetail) {
-    std::uint64_t seed = 500;
+    std::uint64_t seed = 512;
     for (const oracle::Case& one : oracle::all_details(oracle::small_scene())) expect_lanes_equal_links(one.parameters, one.name, ++seed);
 }
 
@@ -233,20 +233,14 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 
 std::vector<oracle::Case> cases() {
     std::vector<oracle::Case> cases;
-    for (int order = 0; order <= 3; ++order) {
-        for (const bool stick_slip : {false, true}) {
-            for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
-                const bool alike = stick_slip == (law == FrictionLaw::smoothed);
-                if (!cvtflow::test::is_deep() && alike == (order % 2 == 1)) continue;  // quick: every pair of two of the three
-                Parameters p = oracle::small_scene();
-                p.detail.order = order;
-                p.detail.stick_slip = stick_slip;
-                p.detail.friction = law;
-                p.detail.joint_points = order == 1 ? 8 : 3;
-                cases.push_back({"order " + std::to_string(order) + (stick_slip ? " stick and slip " : " ") +
-                                     (law == FrictionLaw::smoothed ? "smoothed" : ""),
-                                 p});
-            }
+    for (const bool stick_slip : {false, true}) {
+        for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
+            Parameters p = oracle::small_scene();
+            p.detail.stick_slip = stick_slip;
+            p.detail.friction = law;
+            p.detail.joint_points = stick_slip ? 3 : 8;
+            cases.push_back(
+                {std::string(stick_slip ? "stick and slip, " : "") + (law == FrictionLaw::smoothed ? "smoothed" : "piecewise"), p});
         }
     }
     cases.push_back({"the baseline, longer than what is computed together", Parameters{}});
@@ -255,7 +249,7 @@ std::vector<oracle::Case> cases() {
 
 /// A float has 6e-8 of itself; forces of the contacts of a link, some of which cancel, are added up: 2e-6 of the largest.
 TEST(FrictionKernels, GiveFrictionAndAllOtherForcesButForRounding) {
-    std::uint64_t seed = 500;
+    std::uint64_t seed = 512;
     for (const oracle::Case& one : cases()) {
         FrictionRig rig(one.parameters, ++seed);
         rig.evaluate(rig.at().links);
@@ -294,7 +288,7 @@ struct Links {
     FloatColumns velocity;
     std::vector<double> counted_from, start, end, secants;
 
-    Links(int links_, int order) : links(links_), size(ChainLayout{order}.link_size()), velocity(size, links + 2) {
+    explicit Links(int links_) : links(links_), size(ChainLayout{}.link_size()), velocity(size, links + 2) {
         std::mt19937_64 chance(7);
         std::uniform_real_distribution<double> drawn(-9.0, 9.0);
         for (std::vector<double>* each : {&counted_from, &start, &end, &secants}) {
@@ -307,10 +301,10 @@ struct Links {
         }
     }
 
-    bool finish(Isa isa, int order, bool with_secants) {
-        return kernels_of(isa).of_order(order).friction.end({velocity.at(0, 1), velocity.stride(), counted_from.data(), start.data(),
-                                                             end.data(), with_secants ? secants.data() : nullptr, step, limit},
-                                                            links);
+    bool finish(Isa isa, bool with_secants) {
+        return kernels_of(isa).halves().friction.end({velocity.at(0, 1), velocity.stride(), counted_from.data(), start.data(), end.data(),
+                                                      with_secants ? secants.data() : nullptr, step, limit},
+                                                     links);
     }
     /// finish() number by number.
     void finish_plainly(bool with_secants) {
@@ -327,29 +321,27 @@ struct Links {
     }
 };
 
-void expect_plain_bits(int order, int links, bool with_secants) {
-    Links plain(links, order);
+void expect_plain_bits(int links, bool with_secants) {
+    Links plain(links);
     plain.finish_plainly(with_secants);
     for (const Isa isa : usable_isas()) {
-        Links own(links, order);
-        EXPECT_TRUE(own.finish(isa, order, with_secants)) << "NaN beside the links has no effect";
+        Links own(links);
+        EXPECT_TRUE(own.finish(isa, with_secants)) << "NaN beside the links has no effect";
         for (const auto& [is, expected] : {std::pair{&own.end, &plain.end}, {&own.secants, &plain.secants}}) {
             EXPECT_EQ(std::memcmp(is->data(), expected->data(), is->size() * sizeof(double)), 0)
-                << name_of(isa) << ", order " << order << ", " << links << " links";
+                << name_of(isa) << ", " << links << " links";
         }
     }
 }
 
 TEST(StepEnd, HasTheBitsOfAPlainLoopForEveryNumberOfLinks) {
-    for (int order = 0; order <= 3; ++order) {
-        for (int links = 1; links <= 33; ++links) expect_plain_bits(order, links, links % 2 == 0);
-    }
+    for (int links = 1; links <= 33; ++links) expect_plain_bits(links, links % 2 == 0);
 }
 
 /// Whether links are sound of which one number is another one.
 bool sound_with(Isa isa, int link, bool coordinate, double number) {
-    constexpr int order = 3, links = 19;
-    Links own(links, order);
+    constexpr int links = 19;
+    Links own(links);
     const int place = 2 * own.size * link + 5;
     if (coordinate) {
         own.start[static_cast<std::size_t>(place)] = number;
@@ -357,7 +349,7 @@ bool sound_with(Isa isa, int link, bool coordinate, double number) {
         *own.velocity.at(5, 1 + link) = 0.0F;
         own.counted_from[static_cast<std::size_t>(place + own.size)] = number;
     }
-    return own.finish(isa, order, true);
+    return own.finish(isa, true);
 }
 
 TEST(StepEnd, NoticesEveryNumberThatIsBeyondTheLimitOrNone) {

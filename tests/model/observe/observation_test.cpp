@@ -28,26 +28,23 @@ void expect_same(double value, double expected, const char* what) {
 }
 
 TEST(Observation, EnergiesLossesAndWorksAreTheOracles) {
-    for (int order = 0; order <= 3; ++order) {
-        Parameters p = oracle::small_scene();
-        p.detail.order = order;
-        p.control.enabled = true;
-        const Variator variator(p);
-        Observer observer(variator);
-        const auto random = oracle::random_state(p, 11);
-        const Observation& now = observer.observe(2e-3, random.state.data(), random.phases.data());
-        const auto expected = oracle::right_hand_side(p, 2e-3, random.state, random.phases);
-        const auto& e = expected.energies;
-        expect_same(now.account[Energy::kinetic], e.kinetic, "kinetic");
-        expect_same(now.account[Energy::inner], e.inner, "inner");
-        expect_same(now.account[Energy::pack], e.pack, "pack");
-        expect_same(now.account[Energy::plates], e.plates, "plates");
-        expect_same(now.account[Energy::joints], e.joints, "joints");
-        expect_same(now.account[Energy::tips], e.tips, "tips");
-        expect_same(now.account[Energy::supports], e.supports, "supports");
-        for (std::size_t k = 0; k < loss_kinds; ++k) expect_same(now.account.loss[k], expected.powers.losses[k], "loss");
-        for (std::size_t k = 0; k < work_kinds; ++k) expect_same(now.work[k], expected.powers.works[k], "work");
-    }
+    Parameters p = oracle::small_scene();
+    p.control.enabled = true;
+    const Variator variator(p);
+    Observer observer(variator);
+    const auto random = oracle::random_state(p, 11);
+    const Observation& now = observer.observe(2e-3, random.state.data(), random.phases.data());
+    const auto expected = oracle::right_hand_side(p, 2e-3, random.state, random.phases);
+    const auto& e = expected.energies;
+    expect_same(now.account[Energy::kinetic], e.kinetic, "kinetic");
+    expect_same(now.account[Energy::inner], e.inner, "inner");
+    expect_same(now.account[Energy::pack], e.pack, "pack");
+    expect_same(now.account[Energy::plates], e.plates, "plates");
+    expect_same(now.account[Energy::joints], e.joints, "joints");
+    expect_same(now.account[Energy::tips], e.tips, "tips");
+    expect_same(now.account[Energy::supports], e.supports, "supports");
+    for (std::size_t k = 0; k < loss_kinds; ++k) expect_same(now.account.loss[k], expected.powers.losses[k], "loss");
+    for (std::size_t k = 0; k < work_kinds; ++k) expect_same(now.work[k], expected.powers.works[k], "work");
 }
 
 TEST(Observation, AxialForcesOfTheSheavesAreTheSumsOfTheirTips) {
@@ -198,33 +195,30 @@ void expect_force(double value, Real expected, double scale, const char* what) {
 }
 
 TEST(ChainForces, TipsPressAndRubAsTheOraclesContactsDo) {
-    for (int order = 0; order <= 3; ++order) {
-        Parameters p = undamped();
-        p.detail.order = order;
-        const Seen seen(p);
-        int touching = 0;
-        for (int tip = 0; tip < tips_per_link * p.chain.pins; ++tip) {
-            const std::size_t n = static_cast<std::size_t>(tip);
-            const End end = tip / 2 % 2 == 0 ? End::rear : End::front;
-            const oracle::Link& link = seen.system.links[n / tips_per_link];
-            const auto contact = oracle::tip_contact(seen.system, link, end, tip % 2);
-            if (seen.random.phases[n] == Phase::free || contact.depth <= 0.0L) {
-                EXPECT_EQ(seen.forces.chain.tip_normal[n], 0.0);
-                continue;
-            }
-            const Real normal = p.tip.hertz * contact.depth * std::sqrt(contact.depth);
-            const auto sliding = oracle::tip_sliding(seen.system, link, end, contact).tangential;
-            const Real grip = p.tip.friction.coefficient * normal * oracle::friction_slope(p.detail, p.tip.friction, norm(sliding));
-            const oracle::Vec3 on_sheave = -(normal * contact.normal) + grip * sliding;
-            const oracle::Vec3 point = contact.centre - Real{p.tip.radius} * contact.normal;
-            const oracle::Vec2 outward = unit(in_plane(point) - oracle::Vec2{contact.shaft * Real{p.pulley.centre_distance}, 0.0L});
-            expect_force(seen.forces.chain.tip_normal[n], normal, 1e3, "normal");
-            expect_force(seen.forces.chain.tip_radial[n], dot(outward, in_plane(on_sheave)), 1e3, "radial");
-            expect_force(seen.forces.chain.tip_tangential[n], cross(outward, in_plane(on_sheave)), 1e3, "tangential");
-            ++touching;
+    Parameters p = undamped();
+    const Seen seen(p);
+    int touching = 0;
+    for (int tip = 0; tip < tips_per_link * p.chain.pins; ++tip) {
+        const std::size_t n = static_cast<std::size_t>(tip);
+        const End end = tip / 2 % 2 == 0 ? End::rear : End::front;
+        const oracle::Link& link = seen.system.links[n / tips_per_link];
+        const auto contact = oracle::tip_contact(seen.system, link, end, tip % 2);
+        if (seen.random.phases[n] == Phase::free || contact.depth <= 0.0L) {
+            EXPECT_EQ(seen.forces.chain.tip_normal[n], 0.0);
+            continue;
         }
-        EXPECT_GT(touching, 5);
+        const Real normal = p.tip.hertz * contact.depth * std::sqrt(contact.depth);
+        const auto sliding = oracle::tip_sliding(seen.system, link, end, contact).tangential;
+        const Real grip = p.tip.friction.coefficient * normal * oracle::friction_slope(p.detail, p.tip.friction, norm(sliding));
+        const oracle::Vec3 on_sheave = -(normal * contact.normal) + grip * sliding;
+        const oracle::Vec3 point = contact.centre - Real{p.tip.radius} * contact.normal;
+        const oracle::Vec2 outward = unit(in_plane(point) - oracle::Vec2{contact.shaft * Real{p.pulley.centre_distance}, 0.0L});
+        expect_force(seen.forces.chain.tip_normal[n], normal, 1e3, "normal");
+        expect_force(seen.forces.chain.tip_radial[n], dot(outward, in_plane(on_sheave)), 1e3, "radial");
+        expect_force(seen.forces.chain.tip_tangential[n], cross(outward, in_plane(on_sheave)), 1e3, "tangential");
+        ++touching;
     }
+    EXPECT_GT(touching, 5);
 }
 
 TEST(ChainForces, EveryPlateIsASpringBetweenTheHalves) {
@@ -293,24 +287,21 @@ TEST(ChainForces, JointsPressWithTheirDepthAndRubWithTheirSlip) {
 }
 
 TEST(ChainForces, BendingMomentIsRigidityTimesCurvatureAndAxialForceAreaTimesStress) {
-    for (const int order : {1, 2, 3}) {
-        Parameters p = undamped();
-        p.detail.order = order;
-        const Seen seen(p);
-        std::size_t half = 0;
-        for (const oracle::Link& link : seen.system.links) {
-            for (const oracle::Half* of : {&link.rear, &link.front}) {
-                const Real h = 0.5L, step = h * of->length / 2.0L;  // a cubic's second difference is exact
-                const oracle::Vec2 curvature = (1.0L / (step * step)) * (of->at(h) - 2.0L * of->at(0.0L) + of->at(-h));
-                const Real travel = order < 2 ? 0.0L : p.half.bending_travel * dot(curvature, link.t);
-                const Real height = order < 2 ? 0.0L : p.half.bending_height * dot(curvature, link.n);
-                expect_force(seen.forces.chain.bending_travel[half], travel, 1.0, "travel");
-                expect_force(seen.forces.chain.bending_height[half], height, 1.0, "height");
-                const Real stretched = 2.0L * (of->length / 2.0L + of->e);
-                expect_force(seen.forces.chain.half_axial[half], p.chain.young_modulus * p.half.area * (stretched / of->length - 1.0L), 1e3,
-                             "axial");
-                ++half;
-            }
+    Parameters p = undamped();
+    const Seen seen(p);
+    std::size_t half = 0;
+    for (const oracle::Link& link : seen.system.links) {
+        for (const oracle::Half* of : {&link.rear, &link.front}) {
+            const Real h = 0.5L, step = h * of->length / 2.0L;  // a cubic's second difference is exact
+            const oracle::Vec2 curvature = (1.0L / (step * step)) * (of->at(h) - 2.0L * of->at(0.0L) + of->at(-h));
+            const Real travel = p.half.bending_travel * dot(curvature, link.t);
+            const Real height = p.half.bending_height * dot(curvature, link.n);
+            expect_force(seen.forces.chain.bending_travel[half], travel, 1.0, "travel");
+            expect_force(seen.forces.chain.bending_height[half], height, 1.0, "height");
+            const Real stretched = 2.0L * (of->length / 2.0L + of->e);
+            expect_force(seen.forces.chain.half_axial[half], p.chain.young_modulus * p.half.area * (stretched / of->length - 1.0L), 1e3,
+                         "axial");
+            ++half;
         }
     }
 }
@@ -332,27 +323,24 @@ oracle::Vec2 sum_in_plane(const Seen& seen, int shaft) {
 
 /// Newton's law for shaft and sheaves together: forces of the chain less those of the bearings accelerate them.
 TEST(ChainForces, BearingsCarryWhatTheChainGivesLessWhatAcceleratesTheShaft) {
-    for (int order : {0, 3}) {
-        Parameters p = oracle::small_scene();
-        p.detail.order = order;
-        const Seen seen(p);
-        const auto forces = oracle::right_hand_side(p, 0.0, seen.random.state, seen.random.phases).forces;
-        const std::size_t first = static_cast<std::size_t>(p.chain.pins * seen.system.layout.link_size());
-        for (int shaft = 0; shaft < 2; ++shaft) {
-            const auto total = [&](int freedom) {
-                double sum = forces[first + static_cast<std::size_t>(body_freedom(shaft, freedom))];
-                for (int side = 0; side < 2; ++side)
-                    sum += forces[first + static_cast<std::size_t>(body_freedom(sheave_body(shaft, side), freedom))];
-                return sum;
-            };
-            const oracle::Vec2 chain = sum_in_plane(seen, shaft);
-            const std::size_t k = static_cast<std::size_t>(shaft);
-            const auto& bearing = seen.forces.bearing[k].force;
-            expect_force(bearing[0], chain.x - Real{total(0)}, 1e4, "x");
-            expect_force(bearing[1], chain.y - Real{total(1)}, 1e4, "y");
-            const auto& axial = seen.observation.axial_force;
-            expect_force(bearing[2], Real{axial[2 * k] + axial[2 * k + 1]} - Real{total(4)}, 1e4, "axial");
-        }
+    Parameters p = oracle::small_scene();
+    const Seen seen(p);
+    const auto forces = oracle::right_hand_side(p, 0.0, seen.random.state, seen.random.phases).forces;
+    const std::size_t first = static_cast<std::size_t>(p.chain.pins * seen.system.layout.link_size());
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        const auto total = [&](int freedom) {
+            double sum = forces[first + static_cast<std::size_t>(body_freedom(shaft, freedom))];
+            for (int side = 0; side < 2; ++side)
+                sum += forces[first + static_cast<std::size_t>(body_freedom(sheave_body(shaft, side), freedom))];
+            return sum;
+        };
+        const oracle::Vec2 chain = sum_in_plane(seen, shaft);
+        const std::size_t k = static_cast<std::size_t>(shaft);
+        const auto& bearing = seen.forces.bearing[k].force;
+        expect_force(bearing[0], chain.x - Real{total(0)}, 1e4, "x");
+        expect_force(bearing[1], chain.y - Real{total(1)}, 1e4, "y");
+        const auto& axial = seen.observation.axial_force;
+        expect_force(bearing[2], Real{axial[2 * k] + axial[2 * k + 1]} - Real{total(4)}, 1e4, "axial");
     }
 }
 
@@ -394,42 +382,35 @@ TEST(ChainForces, AreOfTheInstantThatWasObservedLast) {
     EXPECT_EQ(observer.forces().chain.joint_normal[0], first);
 }
 
-/// Halves of every order on rigid pulleys, which do not tilt: normal forces put no torque on them.
-std::vector<oracle::Case> orders_on_rigid_pulleys() {
-    std::vector<oracle::Case> cases;
-    for (int order = 0; order <= 3; ++order) {
-        Parameters p = oracle::small_scene();
-        p.detail.order = order;
-        p.detail.pulleys = PulleyDetail::rigid;
-        cases.push_back({"order " + std::to_string(order), p});
-    }
-    return cases;
+/// Halves on rigid pulleys, which do not tilt: normal forces put no torque on them.
+Parameters on_rigid_pulleys() {
+    Parameters p = oracle::small_scene();
+    p.detail.pulleys = PulleyDetail::rigid;
+    return p;
 }
 
 TEST(Creep, DragIsTheTorqueOfTheChainOnRigidPulleys) {
-    for (const oracle::Case& one : orders_on_rigid_pulleys()) {
-        const Variator variator(one.parameters);
-        Observer observer(variator);
-        const auto random = oracle::random_state(one.parameters, 21);
-        const Observation& now = observer.observe(0.0, random.state.data(), random.phases.data());
-        const Creep& creep = now.creep;
-        for (std::size_t k = 0; k < 2; ++k) {  // sums of tips in another order: rounding
-            EXPECT_NE(now.chain_torque[k], 0.0) << one.name;
-            EXPECT_NEAR(creep.drag[k], now.chain_torque[k], 1e-11 * std::abs(now.chain_torque[k]) + 1e-11) << one.name;
-            EXPECT_NEAR(now.free_speed[k], now.speed[k] + now.chain_torque[k] / creep.hold[k], 1e-9 * std::abs(now.free_speed[k]));
-        }
+    const Parameters p = on_rigid_pulleys();
+    const Variator variator(p);
+    Observer observer(variator);
+    const auto random = oracle::random_state(p, 21);
+    const Observation& now = observer.observe(0.0, random.state.data(), random.phases.data());
+    const Creep& creep = now.creep;
+    for (std::size_t k = 0; k < 2; ++k) {  // sums of tips in another order: rounding
+        EXPECT_NE(now.chain_torque[k], 0.0);
+        EXPECT_NEAR(creep.drag[k], now.chain_torque[k], 1e-11 * std::abs(now.chain_torque[k]) + 1e-11);
+        EXPECT_NEAR(now.free_speed[k], now.speed[k] + now.chain_torque[k] / creep.hold[k], 1e-9 * std::abs(now.free_speed[k]));
     }
 }
 
 TEST(Creep, LosesAPartOfWhatTheFrictionOfTipsLoses) {
-    for (const oracle::Case& one : orders_on_rigid_pulleys()) {
-        const Variator variator(one.parameters);
-        Observer observer(variator);
-        const auto random = oracle::random_state(one.parameters, 22);
-        const Observation& now = observer.observe(0.0, random.state.data(), random.phases.data());
-        EXPECT_GT(now.creep.power, 0.0) << one.name;
-        EXPECT_LT(now.creep.power, now.account[Loss::tip_friction]) << one.name << ": pins slide radially as well";
-    }
+    const Parameters p = on_rigid_pulleys();
+    const Variator variator(p);
+    Observer observer(variator);
+    const auto random = oracle::random_state(p, 22);
+    const Observation& now = observer.observe(0.0, random.state.data(), random.phases.data());
+    EXPECT_GT(now.creep.power, 0.0);
+    EXPECT_LT(now.creep.power, now.account[Loss::tip_friction]) << ": pins slide radially as well";
 }
 
 TEST(Creep, IsNoneWhereNoTipTouches) {

@@ -19,7 +19,7 @@ namespace {
 TEST(AutoStep, HoldsWhileLoadsRise) {
     for (const char* damping : {"chain.damping_ratio=0.1", "chain.damping_ratio=0.2"}) {
         Scene scene = read_scene(find_scene("baseline"), StartState::ignored);
-        apply_detail(scene, "medium");
+        apply_detail(scene, "fine");
         set_values(scene, std::vector<std::string>{damping, "start.settling_time=10 ms", "run.method=leapfrog-chebyshev"});
         Simulation simulation(scene);
         SilentObserver silent;
@@ -101,10 +101,10 @@ TEST(AutoStep, OfRigidPinsSpreadsItsEstimates) {
 
 /// Losses of as fast a chain of halves were 1.6 % off at 2 us.
 TEST(AutoStep, OfHalvesTakesAHundredAndFiftyStepsPerPinOfAFastChain) {
-    const StepAtSpeed fast = step_at("medium", "overdrive", {"drive.speed=5900 rpm"});
+    const StepAtSpeed fast = step_at("fine", "overdrive", {"drive.speed=5900 rpm"});
     EXPECT_LE(fast.step, fast.pin_period / 148.0) << "the chain has become a little slower or faster since";
     EXPECT_LT(fast.step, 1.5e-6);
-    EXPECT_GE(step_at("medium", "overdrive", {}).step, 1.7e-6);
+    EXPECT_GE(step_at("fine", "overdrive", {}).step, 1.7e-6);
 }
 
 }  // namespace

@@ -46,9 +46,9 @@ std::string automatic_with(const std::vector<std::string>& settings) {
 
 TEST(AutomaticMethod, IsChosenByDetailAndFrictionLaw) {
     EXPECT_EQ(automatic_with({}), "leapfrog-sweep");
-    EXPECT_EQ(automatic_with({"detail.order=3", "detail.plates=each", "detail.joint_points=8"}), "leapfrog-sweep");
-    EXPECT_EQ(automatic_with({"detail.pins=rigid", "detail.order=2"}), "leapfrog-rigid");
-    EXPECT_EQ(automatic_with({"detail.pins=rigid", "detail.order=2", "detail.friction=smoothed"}), "leapfrog-rigid");
+    EXPECT_EQ(automatic_with({"detail.plates=each", "detail.joint_points=8"}), "leapfrog-sweep");
+    EXPECT_EQ(automatic_with({"detail.pins=rigid"}), "leapfrog-rigid");
+    EXPECT_EQ(automatic_with({"detail.pins=rigid", "detail.friction=smoothed"}), "leapfrog-rigid");
     EXPECT_EQ(automatic_with({"detail.friction=smoothed"}), "leapfrog-chebyshev");
     EXPECT_EQ(automatic_with({"detail.stick_slip=true"}), "leapfrog-chebyshev");
 }

@@ -22,7 +22,7 @@ Scene hydraulic_scene(const std::string& detail, std::vector<std::string> more =
     apply_detail(scene, detail);
     std::vector<std::string> settings{"start.settling_time=2 ms", "start.ramp_time=1 ms", "run.step=0.5 us", "hydraulics.mode=force",
                                       "hydraulics.valve_lag=0.2 ms"};
-    if (detail != "rigid") settings.emplace_back("run.step=0.2 us");
+    if (detail != "rigid") settings.emplace_back("run.step=0.05 us");
     settings.insert(settings.end(), more.begin(), more.end());
     set_values(scene, settings);
     return scene;
@@ -107,7 +107,7 @@ TEST_P(SimulationHydraulics, ContinueBitForBitFromAnIntegrationState) {
     expect_continued(hydraulic_scene(GetParam(), step_of_force), 3e-4, 6e-4);
 }
 
-INSTANTIATE_TEST_SUITE_P(Levels, SimulationHydraulics, testing::Values("rigid", "medium"),
+INSTANTIATE_TEST_SUITE_P(Levels, SimulationHydraulics, testing::Values("rigid", "fine"),
                          [](const auto& instance) { return instance.param; });
 
 /// The tables of mode pressure are pressures, and controllers add to them.
@@ -133,7 +133,7 @@ TEST(SimulationHydraulicsByPressure, ASavedStateStartsCylindersWithTheForcesThat
     EXPECT_NEAR(inputs_of(other).clamping[0], 5000.0, 1e-3);
 }
 
-TEST(SimulationHydraulicsByPressure, CannotBeTuned) { EXPECT_THROW(Tuner(hydraulic_scene("medium"), {}, oil_uncancelled), SceneError); }
+TEST(SimulationHydraulicsByPressure, CannotBeTuned) { EXPECT_THROW(Tuner(hydraulic_scene("fine"), {}, oil_uncancelled), SceneError); }
 
 }  // namespace
 }  // namespace cvtflow::tasks

@@ -148,7 +148,7 @@ TEST(UnequalPinsOfAChain, MoveTheSheavesOnceAroundTheChain) {
     EXPECT_GT(std::sqrt(at_orders), 0.05e-6) << "lengths deviate by 1 um";
 }
 
-INSTANTIATE_TEST_SUITE_P(Levels, UnequalPins, testing::Values("rigid", "medium"), [](const auto& instance) { return instance.param; });
+INSTANTIATE_TEST_SUITE_P(Levels, UnequalPins, testing::Values("rigid", "fine"), [](const auto& instance) { return instance.param; });
 
 }  // namespace
 }  // namespace cvtflow::tasks

@@ -91,7 +91,7 @@ protected:
 /// most of them by less than 0.1 %, friction of the plates, which depends on that swing, by 0.5 %.
 TEST_P(Reversed, HasTheMeansOfItsMirrorImage) { expect_mirrored(40e-3, 0.01); }
 INSTANTIATE_TEST_SUITE_P(Rigid, Reversed, testing::Values("rigid"));
-INSTANTIATE_TEST_SUITE_P(DeepHalves, Reversed, testing::Values("medium"));
+INSTANTIATE_TEST_SUITE_P(DeepHalves, Reversed, testing::Values("fine"));
 
 /// The force would run into its limit within 100 ms with the feedback of the other sense of rotation.
 TEST(ReversedControl, HoldsTheRatio) {

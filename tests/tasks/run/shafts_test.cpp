@@ -61,7 +61,7 @@ TEST(SimulationCouplings, TheirEnergyBalanceClosesToRounding) {
 /// Rigid pins count each step's works themselves, at mean velocities: the identity holds to the second order of their long steps.
 TEST(SimulationCouplings, RigidPinsCountWorkAndLossOfBothCouplings) {
     Scene scene = coupled_scene();
-    set_values(scene, std::vector<std::string>{"detail.pins=rigid", "detail.order=2", "run.method=auto", "run.step=1 us"});
+    set_values(scene, std::vector<std::string>{"detail.pins=rigid", "run.method=auto", "run.step=1 us"});
     Simulation simulation(scene);
     settle_and_go(simulation, 0.0);
     double stored[2];
@@ -127,7 +127,7 @@ Scene dragged_scene(const std::string& detail, std::vector<std::string> more = {
                                       "drag.driven_seals=0.2 N*m",
                                       "drag.driven_churning=1e-5 N*m*s^2/rad^2",
                                       "drag.bearing_friction=0.0015"};
-    settings.emplace_back("run.step=0.2 us");
+    settings.emplace_back(detail == "rigid" ? "run.step=0.2 us" : "run.step=0.05 us");
     settings.insert(settings.end(), more.begin(), more.end());
     set_values(scene, settings);
     return scene;
@@ -181,7 +181,7 @@ TEST_P(ShaftDrag, LeavesTheImpulseFromOutsideAsItIs) {
 
 TEST_P(ShaftDrag, ContinuesBitForBitFromAnIntegrationState) { expect_continued(dragged_scene(GetParam()), 3e-4, 6e-4); }
 
-INSTANTIATE_TEST_SUITE_P(Levels, ShaftDrag, testing::Values("rigid", "medium"), [](const auto& instance) { return instance.param; });
+INSTANTIATE_TEST_SUITE_P(Levels, ShaftDrag, testing::Values("rigid", "fine"), [](const auto& instance) { return instance.param; });
 
 /// Powers of the summary are from outside to outside: the drive's torque times its speed comes in.
 TEST(ShaftDragSummary, CountsDragAmongTheLosses) {

@@ -98,7 +98,7 @@ TEST(Simulation, AnyNumberMayLiveSideBySide) {
     Simulation alone(tiny_scene());
     ASSERT_FALSE(settle_and_run(alone, 1e-5));
     Scene other = tiny_scene();
-    other.parameters.detail.order = 2;
+    other.parameters.detail.pulleys = model::PulleyDetail::rigid;
     other.run.segments = 3;
     Simulation first(tiny_scene()), second(other);
     for (int part = 0; part < 2; ++part) {  // by turns
@@ -285,7 +285,7 @@ TEST(Simulation, ReportsWhatDiffersFromTheSceneThatWasSettledAndRefusesAnotherDe
     scene.state_file = file.path();
     scene.parameters.half.mass *= 2.0;
     EXPECT_EQ(Simulation(scene).start_differences().size(), 1u);
-    scene.parameters.detail.order = 2;
+    scene.parameters.detail.pulleys = model::PulleyDetail::rigid;
     EXPECT_THROW(Simulation{scene}, SimulationError);
 }
 

@@ -81,7 +81,7 @@ TEST_P(StrandGuide, WithoutStiffnessIsAbsent) {
     EXPECT_EQ(lost_by_guides(without), 0.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Levels, StrandGuide, testing::Values("rigid", "medium"), [](const auto& instance) { return instance.param; });
+INSTANTIATE_TEST_SUITE_P(Levels, StrandGuide, testing::Values("rigid", "fine"), [](const auto& instance) { return instance.param; });
 
 /// Rails that bend the strands inward by 2 mm: the force follows from tension and geometry. Strands of rigid pins run some 0.05 mm nearer
 /// to the tangents, which is 3 % of the way.
@@ -89,7 +89,7 @@ TEST(StrandGuides, PressAlikeAtBothChains) {
     double force[2];
     for (const std::size_t level : {0u, 1u}) {
         Simulation simulation(guided_scene(
-            "baseline", level == 0 ? "rigid" : "medium",
+            "baseline", level == 0 ? "rigid" : "fine",
             {"start.state=", "start.settling_time=20 ms", "guide.stiffness=1e6 N/m", "guide.clearance=0", "guide.offset=-2 mm"}));
         GuideWatch watch(simulation);
         settle_and_go(simulation, 20e-3, watch);
@@ -102,7 +102,7 @@ TEST(StrandGuides, PressAlikeAtBothChains) {
 /// Rails far stiffer than the chain: a pin of mass m on one swings with sqrt(k/m); a half, whose plates take part less, up to twice as
 /// fast.
 TEST(StrandGuides, AreCountedInTheStableStep) {
-    for (const std::string detail : {"rigid", "medium"}) {
+    for (const std::string detail : {"rigid", "fine"}) {
         Scene scene = pressed_scene(detail, {"start.state="});
         scene.parameters.guide.stiffness = 1e11;  // beyond the range of the key
         const double frequency = std::sqrt(scene.parameters.guide.stiffness / model::link_mass(scene.parameters));

@@ -142,7 +142,7 @@ TEST(SetValue, ErrorsShowTheSetting) {
     EXPECT_EQ(message("chain.pitch=8.12 kg"), "--set chain.pitch=8.12 kg: chain.pitch: 8.12 kg is a mass, expected a length (m)");
     EXPECT_EQ(message("chain.pich=8.12 mm"), "--set chain.pich=8.12 mm: chain.pich: unknown key (did you mean \"chain.pitch\"?)");
     EXPECT_EQ(message("chain.pitch"), "--set chain.pitch: not of the form key=value");
-    EXPECT_EQ(message("detail.order=full"), "--set detail.order=full: detail.order: \"full\" is not an integer");
+    EXPECT_EQ(message("chain.pins=all"), "--set chain.pins=all: chain.pins: \"all\" is not an integer");
     EXPECT_EQ(message("chain.pitch="), "--set chain.pitch=: chain.pitch: \"\" does not begin with a number");
     EXPECT_EQ(message("half.length=8 mm\npins = 2").substr(0, 6), "--set ");
     EXPECT_EQ(message("chain.pitch=[8e-3").substr(0, 64), "--set chain.pitch=[8e-3: chain.pitch: not valid TOML: Error whil");
@@ -217,7 +217,6 @@ TEST(DetailPresets, SetTheirDialsAndKeepTheOthers) {
         scene.parameters.detail.mass_scaling = 3.0;
         apply_detail(scene, preset.name);
         const model::Detail expected{.pins = preset.pins,
-                                     .order = preset.order,
                                      .plates = preset.plates,
                                      .joint_points = preset.joint_points,
                                      .mass_scaling = preset.mass_scaling,
@@ -235,7 +234,6 @@ TEST(DetailPresets, SetNothingButTheDialsAndNoneOfThemInVain) {
     for (const DetailPreset& preset : detail_presets()) {
         Scene before;
         before.parameters.detail = {.pins = model::PinDetail::rigid,
-                                    .order = 0,
                                     .joint_points = 5,
                                     .mass_scaling = 3.0,
                                     .pulleys = model::PulleyDetail::rigid,
@@ -258,13 +256,13 @@ TEST(DetailPresets, LeaveAbsentPulleysAbsent) {
         scene.parameters.detail.pulleys = model::PulleyDetail::absent;
         apply_detail(scene, preset.name);
         EXPECT_EQ(scene.parameters.detail.pulleys, model::PulleyDetail::absent);
-        EXPECT_EQ(scene.parameters.detail.order, preset.order);
+        EXPECT_EQ(scene.parameters.detail.plates, preset.plates);
     }
 }
 
 TEST(DetailPresets, FineIsTheDefault) {
     Scene scene;
-    apply_detail(scene, "medium");
+    apply_detail(scene, "full");
     EXPECT_NE(scene.parameters.detail, model::Detail{});
     apply_detail(scene, "fine");
     EXPECT_EQ(scene.parameters.detail, model::Detail{});
@@ -361,10 +359,10 @@ TEST(DetailPresets, SayTheCostsThatWereMeasuredAndBecomeDearerUpTheLadder) {
 TEST(DetailPresets, UnknownNameIsAnErrorWithASuggestion) {
     Scene scene;
     try {
-        apply_detail(scene, "meduim");
+        apply_detail(scene, "fein");
         FAIL();
     } catch (const SceneError& error) {
-        EXPECT_STREQ(error.what(), "detail meduim: not one of rigid, medium, fine, full (did you mean \"medium\"?)");
+        EXPECT_STREQ(error.what(), "detail fein: not one of rigid, fine, full (did you mean \"fine\"?)");
     }
 }
 
@@ -377,10 +375,10 @@ TEST(DetailPresets, LevelOfAFileSetsItsKeysAndKeysBesideItTakePrecedenceWherever
         EXPECT_EQ(level_of(scene), preset.name);
         EXPECT_EQ(value_text(*find_parameter("detail.level"), scene), fmt::format("\"{}\"", preset.name));
     }
-    const Scene above = parse_scene("[detail]\njoint_points = 2\nlevel = \"medium\"\n", "scene.toml");
-    const Scene below = parse_scene("[detail]\nlevel = \"medium\"\njoint_points = 2\n", "scene.toml");
+    const Scene above = parse_scene("[detail]\njoint_points = 2\nlevel = \"full\"\n", "scene.toml");
+    const Scene below = parse_scene("[detail]\nlevel = \"full\"\njoint_points = 2\n", "scene.toml");
     EXPECT_EQ(above.parameters, below.parameters);
-    EXPECT_EQ(above.parameters.detail.order, 1);
+    EXPECT_EQ(above.parameters.detail.plates, model::PlateDetail::each);
     EXPECT_EQ(above.parameters.detail.joint_points, 2);
     EXPECT_EQ(value_text(*find_parameter("detail.level"), above), "\"given\"");
     EXPECT_EQ(parse_scene(write_scene(above), "scene.toml").parameters, above.parameters);
@@ -388,23 +386,48 @@ TEST(DetailPresets, LevelOfAFileSetsItsKeysAndKeysBesideItTakePrecedenceWherever
 
 TEST(DetailPresets, LevelIsASettingAndGivesWayToWhatFollows) {
     Scene scene = parse_scene("[detail]\nlevel = \"rigid\"\n", "scene.toml");
-    set_values(scene, std::vector<std::string>{"detail.level=medium", "detail.order=2"});
+    set_values(scene, std::vector<std::string>{"detail.level=full", "detail.joint_points=2"});
     EXPECT_EQ(scene.parameters.detail.pins, model::PinDetail::halves);
-    EXPECT_EQ(scene.parameters.detail.order, 2);
+    EXPECT_EQ(scene.parameters.detail.joint_points, 2);
     set_value(scene, "detail.level=given");
-    EXPECT_EQ(scene.parameters.detail.order, 2);
+    EXPECT_EQ(scene.parameters.detail.joint_points, 2);
+}
+
+/// Versions up to 0.3 had a level "medium" and the orders 0 to 2 of pin halves.
+TEST(DetailPresets, LevelAndOrderOfEarlierVersionsAreErrorsThatNameWhatToUse) {
+    const std::string level = "not one of given, rigid, fine, full (use \"fine\", or \"rigid\" at lower cost)";
+    const std::string order = "unknown key (pin halves always have order 3: omit the key, or use detail.level = \"fine\" or \"rigid\")";
+    EXPECT_EQ(complaint([] { (void)parse_scene("[detail]\nlevel = \"medium\"\n", "s.toml"); }),
+              "s.toml:2:9: detail.level: \"medium\" is " + level);
+    EXPECT_EQ(complaint([] { (void)parse_scene("[detail]\norder = 3\n", "s.toml"); }), "s.toml:2:1: detail.order: " + order);
+    Scene scene;
+    EXPECT_EQ(complaint([&] { set_value(scene, "detail.level=medium"); }),
+              "--set detail.level=medium: detail.level: \"medium\" is " + level);
+    EXPECT_EQ(complaint([&] { set_value(scene, "detail.order=1"); }), "--set detail.order=1: detail.order: " + order);
+    EXPECT_EQ(complaint([&] { apply_detail(scene, "medium"); }),
+              "detail medium: not one of rigid, fine, full (use \"fine\", or \"rigid\" at lower cost)");
+    EXPECT_EQ(complaint([] { (void)explain("detail.order"); }), "detail.order: " + order);
+}
+
+/// Their records contain the order of their pins.
+TEST(DetailPresets, RecordsOfEarlierVersionsAreReadIfTheirPinsAreThoseOfToday) {
+    const auto recorded = [](const char* detail) { return parse_scene(std::string("[detail]\n") + detail, "r.h5", StartState::recorded); };
+    EXPECT_EQ(recorded("order = 3\nplates = \"lumped\"\n").parameters.detail.plates, model::PlateDetail::lumped);
+    EXPECT_EQ(recorded("pins = \"rigid\"\norder = 2\nplates = \"lumped\"\n").parameters.detail.pins, model::PinDetail::rigid);
+    for (const char* other : {"order = 1\n", "order = 2\n", "order = \"3\"\n", "pins = \"rigid\"\norder = 3\nplates = \"lumped\"\n"})
+        EXPECT_THAT(complaint([&] { (void)recorded(other); }), testing::HasSubstr("detail.order: unknown key (pin halves always")) << other;
 }
 
 TEST(DetailPresets, ConflictsWithALevelAreReported) {
     Scene palmgren = parse_scene("[joint]\nlaw = \"palmgren\"\n", "s.toml");
     EXPECT_EQ(complaint([&] { set_value(palmgren, "detail.level=rigid"); }),
               "--set detail.level=rigid: joint.law: detail.pins = \"rigid\" has joints of law \"linear\"");
-    EXPECT_EQ(complaint([] { (void)parse_scene("[detail]\nlevel = \"rigid\"\norder = 3\n", "s.toml"); }),
-              "s.toml:3:9: detail.order: detail.pins = \"rigid\" has order 2, not 3");
+    EXPECT_EQ(complaint([] { (void)parse_scene("[detail]\nlevel = \"rigid\"\nplates = \"each\"\n", "s.toml"); }),
+              "s.toml:3:10: detail.plates: detail.pins = \"rigid\" has \"lumped\" plates");
     EXPECT_EQ(complaint([] { (void)parse_scene("[detail]\nlevel = \"rigid\"\n[run]\nsegments = 4\n", "s.toml"); }),
               "s.toml:4:12: run.segments: detail.pins = \"rigid\" is one segment, not 4");
     EXPECT_EQ(complaint([] { (void)parse_scene("[detail]\nlevel = \"rigdi\"\n", "s.toml"); }),
-              "s.toml:2:9: detail.level: \"rigdi\" is not one of given, rigid, medium, fine, full (did you mean \"rigid\"?)");
+              "s.toml:2:9: detail.level: \"rigdi\" is not one of given, rigid, fine, full (did you mean \"rigid\"?)");
 }
 
 }  // namespace

@@ -38,10 +38,10 @@ Outcome outcome(const Scene& scene, const Schedule& schedule) {
     return {simulation.hash(), simulation.counters().detected};
 }
 
-/// Scene from the settled baseline at medium detail, long enough for transitions.
+/// Scene from a settled state, long enough for transitions.
 Scene settled(const std::string& until) {
-    return scheduled_scene("shift", {"run.method=rk4", "run.step=50 ns", "run.until=" + until, "run.output_interval=20 us",
-                                     "run.state_interval=20 us", "clamping.driving=27.1 kN"});
+    return scheduled_scene(
+        "low", {"run.method=rk4", "run.step=50 ns", "run.until=" + until, "run.output_interval=20 us", "run.state_interval=20 us"});
 }
 
 /// Assemblies, segments and threads of an executor that differ.

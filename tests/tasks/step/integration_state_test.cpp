@@ -133,7 +133,7 @@ TEST(IntegrationState, ContinuesWithStickAndSlipLedgerAndControl) {
 
 TEST(IntegrationState, OfAnotherSizeIsRefused) {
     Scene other = tiny();
-    other.parameters.detail.order = 0;
+    other.parameters.detail.pulleys = model::PulleyDetail::rigid;
     const Simulation small(other);
     Simulation simulation(tiny());
     EXPECT_THROW(simulation.restore(small.integration_state()), SimulationError);
@@ -200,7 +200,7 @@ TEST(Simulation, ResetIsANewOne) {
     ASSERT_FALSE(fresh.advance({.until = 0.0}, observer, never));
     EXPECT_EQ(used.hash(), fresh.hash());
     EXPECT_EQ(used.counters(), fresh.counters());
-    scene.parameters.detail.order = 2;
+    scene.parameters.detail.pulleys = model::PulleyDetail::rigid;
     EXPECT_FALSE(fits(used, scene));
 }
 

@@ -128,10 +128,9 @@ constexpr unsigned char phase(model::Phase of) { return static_cast<unsigned cha
 constexpr unsigned char untouched = phase(model::Phase::free), touching = phase(model::Phase::touching);
 
 /// Parameters of `tiny` with other detail.
-model::Parameters tiny_with(model::PinDetail pins, int order) {
+model::Parameters tiny_with(model::PinDetail pins) {
     model::Parameters parameters = tiny_parameters();
     parameters.detail.pins = pins;
-    parameters.detail.order = order;
     return parameters;
 }
 
@@ -155,28 +154,22 @@ engine::SavedState ring(const model::Parameters& parameters) {
     return saved;
 }
 
-TEST(DetailState, OfHigherOrderBeginsWithTheCoordinatesThatTheLowerOneHas) {
-    const model::Parameters low = tiny_with(model::PinDetail::halves, 1), high = tiny_with(model::PinDetail::halves, 3);
-    const engine::SavedState saved = ring(low), over = convert_state(saved, low, high);
-    EXPECT_EQ(over.state[static_cast<std::size_t>(model::layout_of(high).y(End::front, 1))],
-              saved.state[static_cast<std::size_t>(model::layout_of(low).y(End::front, 1))]);
-    EXPECT_EQ(over.state[static_cast<std::size_t>(model::layout_of(high).y(End::front, 2))], 0.0);
-    EXPECT_EQ(convert_state(over, high, low).state, saved.state);
-}
-
 TEST(DetailState, PutsARigidPinInTheMiddleBetweenItsHalves) {
-    const model::Parameters halves = tiny_with(model::PinDetail::halves, 1), rigid = tiny_with(model::PinDetail::rigid, 2);
+    const model::Parameters halves = tiny_with(model::PinDetail::halves), rigid = tiny_with(model::PinDetail::rigid);
     const ChainLayout from = model::layout_of(halves), to = model::layout_of(rigid);
     engine::SavedState saved = ring(halves);
     saved.phases[7] = touching;
     const engine::SavedState over = convert_state(saved, halves, rigid);
     ASSERT_EQ(over.state.size(), static_cast<std::size_t>(to.control_begin()));
     EXPECT_EQ(over.phases, saved.phases) << "four tips, as before";
+    const double plate_bow = model::Coefficients(rigid).plate_bow;
     for (int pin = 0; pin < to.links; ++pin) {
         const double* rear = saved.state.data() + from.link_begin(pin);
         const double* front = saved.state.data() + from.link_begin(from.previous(pin));
         const double* q = over.state.data() + to.link_begin(pin);
-        EXPECT_DOUBLE_EQ(q[to.x(End::rear, 0)], 0.5 * (rear[from.x(End::rear, 0)] + front[from.x(End::front, 0)])) << pin;
+        const auto mean = [&](int m) { return 0.5 * (rear[from.x(End::rear, m)] + front[from.x(End::front, m)]); };
+        EXPECT_DOUBLE_EQ(q[to.x(End::rear, 0)], mean(0) + plate_bow * mean(2)) << pin;
+        EXPECT_DOUBLE_EQ(q[to.x(End::rear, 2)], mean(2)) << pin;
         const double* v = q + to.link_size();
         const double before = front[from.link_size() + from.z(End::front)], behind = rear[from.link_size() + from.z(End::rear)];
         EXPECT_DOUBLE_EQ(v[to.z(End::rear)], 0.5 * (behind + before)) << pin;
@@ -186,7 +179,7 @@ TEST(DetailState, PutsARigidPinInTheMiddleBetweenItsHalves) {
 
 /// A rigid pin refers to the middle of its plates, and its halves slide on each other: their mean and difference along z.
 TEST(DetailState, OfRigidPinsComesBackFromHalves) {
-    const model::Parameters halves = tiny_with(model::PinDetail::halves, 3), rigid = tiny_with(model::PinDetail::rigid, 2);
+    const model::Parameters halves = tiny_with(model::PinDetail::halves), rigid = tiny_with(model::PinDetail::rigid);
     const ChainLayout from = model::layout_of(rigid), to = model::layout_of(halves);
     const engine::SavedState saved = ring(rigid), over = convert_state(saved, rigid, halves), back = convert_state(over, halves, rigid);
     ASSERT_EQ(back.state.size(), saved.state.size());

@@ -51,8 +51,8 @@ std::string detail_text(const tasks::Scene& scene) {
                                    ? fmt::format("{} pins", name_of(detail.pins))
                                    : fmt::format("{} joint point{}", detail.joint_points, detail.joint_points == 1 ? "" : "s");
     const std::string dials =
-        fmt::format("order {}, {}, {}, {}", detail.order, detail.plates == model::PlateDetail::each ? "every plate" : "lumped plates",
-                    joints, detail.pulleys == model::PulleyDetail::absent ? "no pulleys" : choice(scene, "detail.pulleys") + " pulleys");
+        fmt::format("{}, {}, {}", detail.plates == model::PlateDetail::each ? "every plate" : "lumped plates", joints,
+                    detail.pulleys == model::PulleyDetail::absent ? "no pulleys" : choice(scene, "detail.pulleys") + " pulleys");
     const std::string slowed = detail.mass_scaling == 1.0 ? "" : fmt::format(", mass scaling {}", choice(scene, "detail.mass_scaling"));
     const std::string friction = choice(scene, "detail.friction") + " friction" + (detail.stick_slip ? " with stick and slip" : "");
     return name.empty() ? fmt::format("{}{}; {}", dials, slowed, friction) : fmt::format("{} ({}{}); {}", name, dials, slowed, friction);

@@ -12,7 +12,7 @@
 
 namespace cvtflow::tools {
 
-/// `fine (order 3, each plate, 3 joint points, elastic pulleys), piecewise friction`; without a name if no preset matches.
+/// `fine (every plate, 3 joint points, elastic pulleys), piecewise friction`; without a name if no preset matches.
 [[nodiscard]] std::string detail_text(const tasks::Scene& scene);
 
 /// Texts unchanged, reals with 6 digits.

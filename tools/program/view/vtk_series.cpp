@@ -163,7 +163,7 @@ void ChainSolids::mesh_sheaves() {
 std::array<float, 3> ChainSolids::point_of(const double* link, End end, double position) const {
     const model::ChainLayout at = model::halves_layout(variator_.layout());
     double x = 0.0, y = 0.0;
-    for (int m = 0; m <= at.order; ++m) {
+    for (int m = 0; m < at.lateral(); ++m) {
         x += link[at.x(end, m)] * model::legendre(m, position);
         y += link[at.y(end, m)] * model::legendre(m, position);
     }

@@ -61,14 +61,14 @@ std::string_view pins_of(const DetailOutcome& o) { return name_of(o.variant.pins
 
 /// Cells of the variant's dials.
 std::string dials_csv(const DetailOutcome& o) {
-    return fmt::format("{},{},{},{},{},{:g}", pins_of(o), o.variant.order, o.variant.plates == model::PlateDetail::each ? "each" : "lumped",
+    return fmt::format("{},{},{},{},{:g}", pins_of(o), o.variant.plates == model::PlateDetail::each ? "each" : "lumped",
                        o.variant.joint_points, o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid",
                        o.variant.mass_scaling);
 }
 
 std::string csv_of(const std::vector<DetailOutcome>& outcomes) {
     std::string text =
-        "pins,order,plates,joint_points,pulleys,mass_scaling,coordinates,cost_s,tight_N,slack_N,pin_axial_N,slip,ratio,shift_per_s,thrust_"
+        "pins,plates,joint_points,pulleys,mass_scaling,coordinates,cost_s,tight_N,slack_N,pin_axial_N,slip,ratio,shift_per_s,thrust_"
         "ratio,drift,";
     text += watch_heading + std::string("\n");
     for (const DetailOutcome& o : outcomes) {
@@ -85,7 +85,6 @@ std::string csv_of(const std::vector<DetailOutcome>& outcomes) {
 
 nlohmann::ordered_json row_json(const DetailOutcome& o) {
     nlohmann::ordered_json row{{"pins", pins_of(o)},
-                               {"order", o.variant.order},
                                {"plates", o.variant.plates == model::PlateDetail::each ? "each" : "lumped"},
                                {"joint_points", o.variant.joint_points},
                                {"pulleys", o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid"},

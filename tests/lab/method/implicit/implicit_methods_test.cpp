@@ -141,7 +141,7 @@ TEST(ImplicitMethods, RunAFreeRingAndRigidPulleysToo) {
     for (const char* method : {"trapezoidal-analytic", "trapezoidal-schubert", "ros34pw2"}) {
         Scene ring = read_scene(CVTFLOW_SOURCE_DIR "/scenes/free_ring.toml");
         set_values(ring, std::vector<std::string>{std::string("run.method=") + method, "run.step=1us", "run.output_interval=4us"});
-        for (const Scene& scene : {ring, implicit_scene(method, {"detail.pulleys=rigid", "detail.order=0"})}) {
+        for (const Scene& scene : {ring, implicit_scene(method, {"detail.pulleys=rigid"})}) {
             Simulation simulation(scene, Schedule{});
             SilentObserver silent;
             const engine::Cancellation never;

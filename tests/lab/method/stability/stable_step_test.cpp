@@ -21,8 +21,8 @@ using tasks::test::settled_tiny;
 /// second.
 Scene small() {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
-    set_values(scene, std::vector<std::string>{"detail.order=0", "detail.pulleys=rigid", "start.settling_time=0.2 ms",
-                                               "start.ramp_time=0.2 ms", "run.schedule=serial"});
+    set_values(scene, std::vector<std::string>{"detail.pulleys=rigid", "start.settling_time=0.2 ms", "start.ramp_time=0.2 ms",
+                                               "run.schedule=serial"});
     return scene;
 }
 

@@ -150,7 +150,7 @@ void expect_all(const Place& place) {
 }
 
 TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsOnTheBaseline) { expect_all(Place(ready("baseline"))); }
-TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsAtMediumDetail) { expect_all(Place(ready("control"))); }
+TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsUnderControl) { expect_all(Place(ready("control"))); }
 /// Settled as in the scene, for 10 ms. (At 1 ms, as in the short test, tips still come to the sheaves, and contacts pass their
 /// kink within a measured step.)
 TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsOnTheSmallestScene) {

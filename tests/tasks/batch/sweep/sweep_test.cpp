@@ -63,13 +63,12 @@ protected:
 TEST_F(SweepFile, TakesALevelOfDetailByOneRuleInItsHeadItsSettingsAndItsAxes) {
     const std::string axis = "[[axes]]\nkey = \"load.torque\"\nvalues = [6]\n";
     const std::string outputs = "[outputs]\nscalars = [\"slip mean\"]\n";
-    const model::Detail of_head = read("[sweep]\nscene = \"tiny\"\ndetail = \"medium\"\n" + outputs + axis).scene.parameters.detail;
-    for (const char* set :
-         {"[set.detail]\nlevel = \"medium\"\n", "[set]\ndetail.level = \"medium\"\n", "[set]\n\"detail.level\" = \"medium\"\n"})
+    const model::Detail of_head = read("[sweep]\nscene = \"tiny\"\ndetail = \"fine\"\n" + outputs + axis).scene.parameters.detail;
+    for (const char* set : {"[set.detail]\nlevel = \"fine\"\n", "[set]\ndetail.level = \"fine\"\n", "[set]\n\"detail.level\" = \"fine\"\n"})
         EXPECT_EQ(read("[sweep]\nscene = \"tiny\"\ndetail = \"full\"\n" + outputs + set + axis).scene.parameters.detail, of_head) << set;
-    const Sweep levels = read(head + "[[axes]]\nkey = \"detail.level\"\nvalues = [\"full\", \"medium\"]\n");
+    const Sweep levels = read(head + "[[axes]]\nkey = \"detail.level\"\nvalues = [\"full\", \"fine\"]\n");
     EXPECT_EQ(scene_of_case(levels, 1).parameters.detail, of_head);
-    EXPECT_EQ(axis_text(*levels.axes[0].keys[0], levels.axes[0].at(1, 0)), "\"medium\"");
+    EXPECT_EQ(axis_text(*levels.axes[0].keys[0], levels.axes[0].at(1, 0)), "\"fine\"");
 }
 
 TEST_F(SweepFile, ReadsACsvThatBeginsWithAByteOrderMark) {

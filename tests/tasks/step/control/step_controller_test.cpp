@@ -163,9 +163,9 @@ TEST(StepControllerTransitions, AChatteringChainMakesProgress) {
     claims::make_conservative(p);
     p.start.settling_time = p.start.ramp_time = 0.0;
     Rig rig(p);
-    ASSERT_FALSE(rig.run({0.0, 1e-3, 5e-8, 1e-4}));
+    ASSERT_FALSE(rig.run({0.0, 1.25e-3, 5e-8, 1.25e-4}));
     const Counters& c = rig.counters();
-    EXPECT_EQ(c.steps - c.truncated, 20000);  // every grid point is reached once
+    EXPECT_EQ(c.steps - c.truncated, 25000);  // every grid point is reached once
     EXPECT_GT(c.detected, 300);
     EXPECT_LE(c.truncated, c.detected);
     // No tip changes again before its dwell of one and a half steps is over.

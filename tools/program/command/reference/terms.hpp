@@ -42,7 +42,7 @@ inline constexpr Term terms[] = {
     {"archard", "Law of wear: worn volume is wear.coefficient times normal force times sliding distance (cvtflow plot --wear)."},
     {"rainflow", "Counting of load cycles by ASTM E1049 (cvtflow table --rainflow)."},
     {"scene", "File of a machine, its inputs and a run (TOML)."},
-    {"level of detail", "How much of pins, plates and pulleys is modelled: rigid, medium, fine, full."},
+    {"level of detail", "How much of pins, plates and pulleys is modelled: rigid, fine, full."},
     {"sweep", "File that varies keys of a scene; each variant is a case, and each case a row of a table."},
     {"record", "File of a run: channels over time, states, the scene (HDF5)."},
     {"channel", "A recorded quantity: cvtflow list channels."},
