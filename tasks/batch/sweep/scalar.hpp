@@ -25,8 +25,8 @@ struct ScalarTerm {
     int element = 0;  ///< of a channel with several numbers, or every_element
     Reduction reduction = Reduction::mean;
     double time = 0.0;                  ///< of `at`: the first output at or after it counts [s]
-    const Channel* integral = nullptr;  ///< of a mean: Channel::energies(), or Channel::integral()
-    bool efficiency = false;            ///< these are energies
+    const Channel* integral = nullptr;  ///< of a mean: Channel::sums(), or Channel::integral()
+    bool quotient = false;              ///< these are sums
 
     /// Whether it is an integral over the time between samples, over that time; others are of outputs.
     [[nodiscard]] bool over_time() const noexcept { return reduction == Reduction::mean || reduction == Reduction::rms; }
@@ -54,8 +54,8 @@ struct Scalar {
     [[nodiscard]] std::string description() const;
     /// Whether all terms are averages over time, whose errors batches of it show.
     [[nodiscard]] bool averages() const noexcept;
-    /// Whether it is undefined where no energy flows, which is no fault of a case.
-    [[nodiscard]] bool may_be_undefined() const noexcept { return std::ranges::any_of(terms, &ScalarTerm::efficiency); }
+    /// Whether it is undefined where no energy flows or shaft 2 is at rest, which is no fault of a case.
+    [[nodiscard]] bool may_be_undefined() const noexcept { return std::ranges::any_of(terms, &ScalarTerm::quotient); }
     /// Scale of the error of its mean, as of run.steady: the value, or the losses' share of the input for an efficiency.
     [[nodiscard]] double error_scale(double value) const noexcept;
 };
@@ -73,13 +73,13 @@ struct TermSum {
     double span = 0.0;        ///< of an integral over time [s]
     double time = 0.0;        ///< of its last sample [s]
     double last = 0.0;        ///< number there
-    std::vector<double> all;  ///< of a median [outputs]; of an efficiency its energies, their changes and the last ones [2 x sums, J]
+    std::vector<double> all;  ///< of a median [outputs]; of a quotient changes of its sums, and the last sums [2 x sums]
 
     /// Whether the term takes an instant. time [s]
     [[nodiscard]] bool takes(const ScalarTerm& term, double instant, const Occasion& when) const noexcept;
     void add(const ScalarTerm& term, double instant, double number);  ///< instant [s], number [unit of the channel that is read]
     void integrate(const ScalarTerm& term, double instant, double number) noexcept;  ///< likewise
-    void add_energies(double instant, std::span<const double> energies);             ///< of an efficiency
+    void add_sums(double instant, std::span<const double> sums);                     ///< of a quotient
     /// Adds what continued() has become.
     void add(const ScalarTerm& term, const TermSum& later);
     /// A sum over the time after it: an integral continues from its last sample.
