@@ -22,6 +22,7 @@ _LEGEND = 26  # characters of a name in a legend beside the frame
 _WIDTH, _HEIGHT, _LOW = 8.6, 5.4, 3.0  # of a picture with one panel, of one of several [inch]
 _MANY_DECADES = 1e3  # between the ends of an axis, where it has no minor ticks
 _DASHES = ["solid", "dashed", "dotted", "dashdot"]
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclasses.dataclass
@@ -125,7 +126,7 @@ def draw(panels, heading="", ax=None):
             made = axes[0].figure
         else:
             heights = [(panel.height or (_LOW if len(panels) > 1 else _HEIGHT)) + _legend_height(panel) for panel in panels]
-            lines = textwrap.wrap(heading, 118)
+            lines = textwrap.wrap(heading, 130)
             made = figure(_WIDTH, sum(heights) + 0.18 * len(lines))
             axes = made.subplots(len(panels), 1, squeeze=False, gridspec_kw={"height_ratios": heights})[:, 0]
             if lines:
@@ -199,13 +200,19 @@ def _legend(axis, panel, is_last):
         axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.4)
 
 
+def _tick(value, _=None):
+    """0.01, 0.002, 10⁻³, 10⁴: the number at a tick."""
+    exponent = round(math.log10(value)) if value > 0.0 else 0
+    return "10" + str(exponent).translate(_RAISED) if abs(exponent) > 2 and math.isclose(value, 10.0 ** exponent) else f"{value:g}"
+
+
 def _plain_numbers(axis, ratio):
-    """0.01 and 100 instead of powers. ratio: of speeds, over one decade or two: 0.5, 1, 2."""
+    """0.01 and 100 instead of near powers. ratio: of speeds, over one decade or two: 0.5, 1, 2."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     if ratio:
         axis.set_major_locator(LogLocator(10.0, subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_major_formatter(FuncFormatter(_tick))
     axis.set_minor_formatter(NullFormatter())
 
 
