@@ -230,11 +230,11 @@ std::vector<std::string> Table::texts(const std::string& column) const {
     });
 }
 
-std::vector<std::vector<std::string>> energies_of_efficiency(const std::string& channel) {
+std::vector<std::vector<std::string>> sums_of_quotient(const std::string& channel) {
     std::vector<std::vector<std::string>> sums;
-    const tasks::EfficiencyChannels* of = tasks::efficiency_channels_of(channel);
+    const tasks::QuotientChannels* of = tasks::quotient_channels_of(channel);
     if (of == nullptr) return sums;
-    for (const auto& names : of->energies) sums.emplace_back(names.begin(), names.end());
+    for (const auto& names : of->sums) sums.emplace_back(names.begin(), names.end());
     return sums;
 }
 

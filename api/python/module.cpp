@@ -57,8 +57,8 @@ PYBIND11_MODULE(_cvtflow, module) {
         pybind11::arg("name"), pybind11::arg("unit"),
         "The unit in which pictures and tables show a channel, a column or a key, and the factor from its SI unit: "
         "display_unit(\"shaft_1/speed\", \"rad/s\") is (\"rpm\", 9.549…).");
-    module.def("_energies_of_efficiency", &cvtflow::energies_of_efficiency, pybind11::arg("channel"),
-               "Channels of which the mean of an efficiency is made, in sums.");
+    module.def("_sums_of_quotient", &cvtflow::sums_of_quotient, pybind11::arg("channel"),
+               "Channels of which the mean of a quotient is made, in sums.");
     module.def("library_version", &cvtflow::library_version, "Version of the loaded library.");
     module.def("shutdown", &cvtflow::shutdown, pybind11::call_guard<Released>(),
                "Ends the worker threads of all simulations of this process. False if other users keep them alive.");

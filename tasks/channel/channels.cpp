@@ -110,7 +110,7 @@ const Channel table[] = {
      without_chain},
     {"sheaves/axial_force", "N", "axial force of all tips on sheaves 1-, 1+, 2-, 2+", list<&O::axial_force>, usual, "sheave",
      Channel::always(4)},
-    {"ratio", "1", "speed ratio: driving over driven", Read(scalar, &O::ratio), without_chain},
+    {"ratio", "1", "speed ratio: driving over driven; its mean is the quotient of the angles", Read(scalar, &O::ratio), without_chain},
     {"slip", "1",
      "creep of the contacts on both pulleys: 1 - (pins/shaft on the driving side) (shaft/pins on the driven side), angular speeds",
      Read(scalar, &O::slip)},
@@ -221,15 +221,15 @@ std::span<const Channel> channels() {
 
 namespace {
 
-/// The sums of an efficiency at an instant [J].
-void read_energies(const Instant& now, double* out, const EfficiencyChannels* of) {
-    for (const auto& names : of->energies) {
+/// The sums of a quotient at an instant.
+void read_sums(const Instant& now, double* out, const QuotientChannels* of) {
+    for (const auto& names : of->sums) {
         *out = 0.0;
         for (const Channel& channel : channels()) {
-            double energy = 0.0;
+            double part = 0.0;
             if (std::ranges::find(names, channel.name) == names.end()) continue;
-            channel.read(now, &energy);
-            *out += energy;
+            channel.read(now, &part);
+            *out += part;
         }
         ++out;
     }
@@ -237,7 +237,7 @@ void read_energies(const Instant& now, double* out, const EfficiencyChannels* of
 
 }  // namespace
 
-std::span<const EfficiencyChannels> efficiency_channels() {
+std::span<const QuotientChannels> quotient_channels() {
     static const std::vector<std::string_view> lost{"dissipated/total"},
         oil{"hydraulics/mechanical", "hydraulics/volumetric", "hydraulics/relief", "hydraulics/valves", "hydraulics/leaked"},
         drag{"dissipated/shaft_1_drag", "dissipated/shaft_2_drag"};
@@ -245,30 +245,31 @@ std::span<const EfficiencyChannels> efficiency_channels() {
         names.insert(names.end(), more.begin(), more.end());
         return names;
     };
-    static const EfficiencyChannels rows[] = {
-        {"efficiency", {{lost, {}, {"work/clamping"}, {"work/drive"}, {"work/load"}}}},
-        {"efficiency_with_pump", {{with(lost, oil), {"hydraulics/pump"}, {"work/clamping"}, {"work/drive"}, {"work/load"}}}},
+    static const QuotientChannels rows[] = {
+        {"efficiency", {lost, {}, {"work/clamping"}, {"work/drive"}, {"work/load"}}},
+        {"efficiency_with_pump", {with(lost, oil), {"hydraulics/pump"}, {"work/clamping"}, {"work/drive"}, {"work/load"}}},
         {"overall_efficiency",
-         {{with(with(lost, oil), drag), {"hydraulics/pump"}, {"work/clamping"}, {"work/drive", drag[0]}, {"work/load", drag[1]}}}}};
+         {with(with(lost, oil), drag), {"hydraulics/pump"}, {"work/clamping"}, {"work/drive", drag[0]}, {"work/load", drag[1]}}},
+        {"ratio", {{"shaft_1/angle"}, {"shaft_2/angle"}}}};
     return rows;
 }
 
-const EfficiencyChannels* efficiency_channels_of(std::string_view name) {
-    const auto all = efficiency_channels();
-    const auto found = std::ranges::find(all, name, &EfficiencyChannels::name);
+const QuotientChannels* quotient_channels_of(std::string_view name) {
+    const auto all = quotient_channels();
+    const auto found = std::ranges::find(all, name, &QuotientChannels::name);
     return found == all.end() ? nullptr : &*found;
 }
 
-double efficiency_of(std::span<const double, EfficiencyChannels::sums> changes) noexcept {
+double quotient_of(std::span<const double> changes) noexcept {
+    if (changes.size() == 2) return changes[0] / changes[1];
     return EnergyFlow{changes[0], changes[2], {changes[3], changes[4]}}.with_pump(changes[1], 0.0).efficiency();  // its losses are counted
 }
 
-const Channel* Channel::energies() const {
+const Channel* Channel::sums() const {
     static const std::vector<Channel> all = [] {
         std::vector<Channel> rows;
-        for (const EfficiencyChannels& of : efficiency_channels())
-            rows.push_back({of.name, "J", "sums of its energies so far", Read(read_energies, &of), so_far, "energy",
-                            always(static_cast<int>(EfficiencyChannels::sums))});
+        for (const QuotientChannels& of : quotient_channels())
+            rows.push_back({of.name, "", "its sums so far", Read(read_sums, &of), so_far, "sum", always(static_cast<int>(of.sums.size()))});
         return rows;
     }();
     const auto found = std::ranges::find(all, name, &Channel::name);

@@ -75,8 +75,8 @@ struct Channel {
 
     /// The channel whose change over a time is this one's integral over it; nullptr: there is none.
     [[nodiscard]] const Channel* integral() const;
-    /// The channel from whose changes the mean of an efficiency follows, by efficiency_of(); nullptr: this is none.
-    [[nodiscard]] const Channel* energies() const;
+    /// The channel from whose changes the mean of a quotient follows, by quotient_of(); nullptr: this is none.
+    [[nodiscard]] const Channel* sums() const;
 
     /// A width that does not depend on the machine.
     [[nodiscard]] static Width always(int numbers) {
@@ -84,18 +84,18 @@ struct Channel {
     }
 };
 
-/// An efficiency, and the channels of energies so far [J] whose sums it is made of: losses, a pump, what presses, drive and load. A machine
-/// or a record that has not one of them counts it as zero.
-struct EfficiencyChannels {
-    static constexpr std::size_t sums = 5;
+/// A quotient whose mean is that of sums, and the channels so far of which each sum is made: of an efficiency five energies [J] (losses, a
+/// pump, what presses, drive and load), of the speed ratio the angles of both shafts [rad]. A machine or a record that has not one of them
+/// counts it as zero.
+struct QuotientChannels {
     std::string_view name;
-    std::array<std::vector<std::string_view>, sums> energies;
+    std::vector<std::vector<std::string_view>> sums;
 };
-[[nodiscard]] std::span<const EfficiencyChannels> efficiency_channels();
-/// Sums of one channel; nullptr: it is no efficiency.
-[[nodiscard]] const EfficiencyChannels* efficiency_channels_of(std::string_view name);
-/// Mean of an efficiency over a time, a quotient of energies. @param changes of its sums in that time [J]
-[[nodiscard]] double efficiency_of(std::span<const double, EfficiencyChannels::sums> changes) noexcept;
+[[nodiscard]] std::span<const QuotientChannels> quotient_channels();
+/// Sums of one channel; nullptr: its mean is that of its values.
+[[nodiscard]] const QuotientChannels* quotient_channels_of(std::string_view name);
+/// Mean of a quotient over a time: of five energies an efficiency, of two angles their quotient. @param changes of its sums in that time
+[[nodiscard]] double quotient_of(std::span<const double> changes) noexcept;
 
 [[nodiscard]] std::span<const Channel> channels();
 

@@ -68,8 +68,17 @@ TEST_F(Package, IsFoundAndUsedByAFreshProjectAlsoAfterItWasMoved) {
     std::getline(file, program);
     EXPECT_EQ(program, (folder_ / "moved/bin/cvtflow").string());
     EXPECT_THAT(run(program + " check baseline"), testing::HasSubstr((folder_ / "moved/share/cvtflow/scenes/baseline.toml").string()));
-    EXPECT_THAT(run(program + " run tiny --until '20 us' -q -o r.h5 && " + program + " plot r.h5 slip -o r.svg"),
-                testing::HasSubstr("r.svg"));
+    run(program + " run tiny --until '20 us' -q -o r.h5 && mkdir -m 777 theirs");
+    // A user without rights, HOME or this environment, in another locale; then without an interpreter, or one without libraries.
+    const std::string user =
+        std::string(geteuid() == 0 ? "setpriv --reuid=65534 --regid=65534 --clear-groups " : "") + "env -i LC_ALL=de_DE.UTF-8 ";
+    EXPECT_THAT(run("cd theirs && for to in plot:svg plot:png report:html; do " + user + program + " ${to%:*} ../r.h5 -o r.${to#*:}; done"),
+                testing::StartsWith("r.svg\nr.png\nr.html ("));
+    run("printf '#!/bin/sh\\nexec /usr/bin/python3 -S \"$@\"\\n' > bare && chmod 755 bare");
+    for (const std::string& python : {std::string("/none"), folder_.string() + "/bare"})
+        for (const char* what : {" plot ../r.h5 -o n.svg", " report ../r.h5 -o n.html"})
+            EXPECT_THAT(run("cd theirs && ! " + user + "CVTFLOW_PYTHON=" + python + " " + program + what),
+                        testing::MatchesRegex("cvtflow: [^\n]*apt-get install python3[^\n]*\n"));
 }
 
 TEST_F(Package, IsFoundByPkgConfig) {

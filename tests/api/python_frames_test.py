@@ -266,6 +266,12 @@ class Records(Folder):
             self.assertEqual((there.slip.dims, there.time.attrs["units"], there.tight_tension.attrs["units"]), (("time",), "s", "N"))
             np.testing.assert_array_equal(there.time, record["time"])
             np.testing.assert_array_equal(there.slip, record["slip"])
+        for group, name, axis, values in (("channels/links", "tension", "link", record["links/tension"]),
+                                          ("channels/followed_pin", "position", "axis", record["followed_pin/position"]),
+                                          ("states", "y", "unknown", record.states.unknowns)):
+            with xarray.open_dataset(alone, engine="h5netcdf", group=group) as there:
+                self.assertEqual(there[name].dims, ("time", axis))
+                np.testing.assert_array_equal(there[name], values)
 
 
 class Sweeps(Folder):

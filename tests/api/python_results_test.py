@@ -23,6 +23,7 @@ from python_fixture import SOURCE, main, press_after, program, tiny
 import numpy as np
 
 import cvtflow
+from cvtflow import _known
 
 LOADS = {"load.torque": ["6 N*m", "12 N*m"], ("clamping.driving", "clamping.driven"): [("7 kN", "5 kN"), ("8 kN", "6 kN")]}
 SETTLED = {"start.settling_time": "20 us", "start.ramp_time": "10 us"}
@@ -77,40 +78,62 @@ class Records(Folder):
         self.assertEqual(record.attributes["program_version"], cvtflow.__version__)
 
 
-class Efficiency(Folder):
-    """Of a run of which a part drives and another brakes: shaft 2 takes 12 N m for 15 ms, then brings 4 N m."""
+class Quotients(Folder):
+    """Means that are quotients: the efficiency of a run in which shaft 2 takes 12 N m for 15 ms, then brings 4 N m; the ratio of one in which
+    shaft 1 slows down to half its speed."""
 
-    BRAKED = ["start.settling_time=5 ms", "start.ramp_time=2 ms", "run.output_interval=20 us", "run.state_interval=10 ms",
-              "run.until=24.2 ms", "load.torque=[[0,12],[15e-3,12],[15.1e-3,-4]]"]
+    SETTINGS = ["start.settling_time=5 ms", "start.ramp_time=2 ms", "run.output_interval=20 us", "run.state_interval=10 ms",
+                "run.until=24.2 ms"]
+    OF = {"efficiency": ("load.torque=[[0,12],[15e-3,12],[15.1e-3,-4]]", r"efficiency ([0-9.]+) %", 100.0, 1e-3),
+          "ratio": ("drive.speed=[[0,100],[8e-3,100],[12e-3,50],[16e-3,100]]", r"speed ratio +([0-9.]+) ", 1.0, 8e-3)}
 
     def shown(self, page, row):
-        """The numbers of a row of a page, in per cent."""
+        """The numbers of a row of a page, in the unit that it shows."""
         text = Path(page).read_text()
         begin = text.rindex(row)  # of a comparison that of the whole time
         return [float(number) for number in re.findall(r'data-value="([^"]*)"', text[begin:text.index("</tr>", begin)])]
 
-    def test_is_one_in_summary_report_difference_sweep_and_python(self):
-        scene, file = cvtflow.Scene.ready("tiny").with_detail("rigid").with_("run.method=auto", *self.BRAKED), self.folder + "/b.h5"
-        settings = [word for setting in self.BRAKED for word in ("--set", setting)]
-        summary = program("run", "tiny", "--detail", "rigid", "--method", "auto", *settings, "-o", file)
-        expected = float(re.search(r"efficiency ([0-9.]+) %", summary).group(1)) / 100.0
+    def test_are_one_in_summary_report_difference_sweep_and_python(self):
+        for channel in self.OF:
+            with self.subTest(channel):
+                self.check(channel, *self.OF[channel])
+
+    def check(self, channel, setting, line, factor, window):
+        folder, settings = f"{self.folder}/{channel}", [*self.SETTINGS, setting]
+        os.mkdir(folder)
+        scene, file = cvtflow.Scene.ready("tiny").with_detail("rigid").with_("run.method=auto", *settings), folder + "/b.h5"
+        words = [word for each in settings for word in ("--set", each)]
+        summary = program("run", "tiny", "--detail", "rigid", "--method", "auto", *words, "-o", file)
+        expected = float(re.search(line, summary).group(1)) / factor
         record = cvtflow.Record(file)
-        Path(f"{self.folder}/other.h5").write_bytes(Path(file).read_bytes())
-        for page, arguments in (("report", [file]), ("both", [file, f"{self.folder}/other.h5"])):
-            program("report", *arguments, "-o", f"{self.folder}/{page}.html")
-        rows = cvtflow.run(scene, channels=["efficiency"])
-        self.assertEqual(sorted(rows), ["efficiency", "time"])
-        results = cvtflow.Sweep(scene, {"load.inertia": [scene["load.inertia"]]}, ["efficiency mean"]).run(self.folder + "/s")
-        ways = {"report": self.shown(f"{self.folder}/report.html", 'data-channel="efficiency"')[0] / 100.0,
-                "difference": self.shown(f"{self.folder}/both.html", 'data-difference="efficiency"')[0] / 100.0,
-                "column of a sweep": results["efficiency"][0], "scalar of a sweep": results["efficiency_mean"][0],
-                "record": record.means(0.0)["efficiency"], "run()": rows.means(0.0)["efficiency"]}
+        Path(f"{folder}/other.h5").write_bytes(Path(file).read_bytes())
+        for page, arguments in (("report", [file]), ("both", [file, f"{folder}/other.h5"])):
+            program("report", *arguments, "-o", f"{folder}/{page}.html")
+        rows = cvtflow.run(scene, channels=[channel])
+        self.assertEqual(set(rows), {channel, "time"})
+        results = cvtflow.Sweep(scene, {"load.inertia": [scene["load.inertia"]]}, [f"{channel} mean"]).run(folder + "/s")
+        ways = {"report": self.shown(f"{folder}/report.html", f'data-channel="{channel}"')[0] / factor,
+                "difference": self.shown(f"{folder}/both.html", f'data-difference="{channel}"')[0] / factor,
+                "scalar of a sweep": results[f"{channel}_mean"][0], "record": record.means(0.0)[channel], "run()": rows.means(0.0)[channel]}
+        ways |= {"column of a sweep": results[channel][0]} if channel in results else {}
         for way, value in ways.items():  # begins of windows differ by up to a pin period, of ten
-            self.assertAlmostEqual(value, expected, delta=1e-3, msg=way)
+            self.assertAlmostEqual(value, expected, delta=window, msg=way)
+        self.assertAlmostEqual(ways["scalar of a sweep"], expected, delta=6e-5)  # of the same window
+        for way in ("report", "difference"):
+            self.assertAlmostEqual(ways[way], ways["record"], delta=1e-8, msg=way)
         instants = record["efficiency"]
-        self.assertGreater(abs(np.nanmean(instants) - expected), 3e-3)
-        self.assertTrue(np.isnan(instants).any(), "where shafts take nothing")
+        if channel == "efficiency":
+            self.assertGreater(abs(np.nanmean(instants) - expected), 3e-3)
+            self.assertTrue(np.isnan(instants).any(), "where shafts take nothing")
         self.assertTrue(np.all(instants[np.isfinite(instants)] >= 0.0))
+
+    def test_is_undefined_where_shaft_2_is_at_rest(self):
+        rows = cvtflow.run(tiny(), "40 us", channels=["ratio"], interval="10 us")
+        turned = rows._sums["shaft_2/angle"]
+        turned[:] = [1.0, 1.0, 1.0, 2.0, 3.0]
+        self.assertFalse(np.isfinite(_known.quotient_of([1.0, 0.0])) or np.isfinite(_known.quotient_of([0.0, 0.0])))
+        gained = rows._sums["shaft_1/angle"][-1] - rows._sums["shaft_1/angle"][0]
+        self.assertAlmostEqual(rows.means(0.0)["ratio"], gained / 2.0, delta=1e-12)
 
 
 class Sweeps(Folder):

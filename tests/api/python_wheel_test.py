@@ -56,11 +56,18 @@ class Wheel(unittest.TestCase):
         for source in [*Path(SOURCE, "api/python/cvtflow").iterdir(), Path("_cvtflow.pyi")]:
             if source.suffix in (".py", ".pyi", ".typed") or source.name == "py.typed":
                 self.assertIn(f"cvtflow/{source.name}", names)
-        program = "import cvtflow; print(cvtflow.__file__, cvtflow.Simulation(cvtflow.Scene.ready('tiny')).size())"
+        program = """import cvtflow
+print(cvtflow.__file__, cvtflow.Simulation(cvtflow.Scene.ready("tiny")).size())
+simulation = cvtflow.Simulation(cvtflow.Scene.ready("tiny").with_("start.settling_time=20 us", "start.ramp_time=10 us"))
+with cvtflow.Recording(simulation, "r.h5"):
+    simulation.advance_to("20 us")
+cvtflow.Record("r.h5").plot("slip").savefig("r.png")
+cvtflow.report("r.h5", "r.html")"""
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=self.folder,
-                              env={"PYTHONPATH": str(site), "LD_LIBRARY_PATH": str(site / "cvtflow/lib")})
+                              env={"PYTHONPATH": str(site), "LD_LIBRARY_PATH": str(site / "cvtflow/lib"), "LC_ALL": "C"})
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue(done.stdout.startswith(str(site)), done.stdout)
+        self.assertIn('data-channel="slip"', Path(self.folder, "r.html").read_text())
 
     @unittest.skipUnless(DEEP, "deep")
     def test_a_bundle_contains_all_libraries_that_not_every_distribution_has(self):

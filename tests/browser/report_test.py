@@ -131,8 +131,8 @@ class RunReport(Page):
             if not figures:
                 continue
             mean, *_, least, largest = figures
-            of_energies = "efficiency" in name  # its mean is a quotient of energies (python_results_test)
-            for shown, true in ((mean, mean if of_energies else values.mean()), (least, values.min()), (largest, values.max())):
+            of_sums = "efficiency" in name or name == "ratio"  # its mean is a quotient (python_results_test)
+            for shown, true in ((mean, mean if of_sums else values.mean()), (least, values.min()), (largest, values.max())):
                 self.assertAlmostEqual(shown, true, delta=1e-8 * abs(true) + 1e-300)  # nine digits
 
     def test_a_phone_shows_the_whole_width(self):

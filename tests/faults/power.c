@@ -7,7 +7,7 @@
  *     create INODE PATH         a new empty file has a name           mkdir INODE PATH
  *     size INODE BYTES          cut or lengthened                     remove - PATH
  *     write INODE AT BYTES      …and the bytes                        rename - FROM\tTO
- *     sync INODE                file or folder
+ *     sync INODE                file or folder                    syncfs INODE      everything
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -175,6 +175,10 @@ int ftruncate64(int file, off64_t size) {
 int fsync(int file) {
     REAL(fsync);
     LOGGED(int, real(file), note_descriptor("sync", file, 0, 0, NULL));
+}
+int syncfs(int file) {
+    REAL(syncfs);
+    LOGGED(int, real(file), note_descriptor("syncfs", file, 0, 0, NULL));
 }
 int fdatasync(int file) {
     REAL(fdatasync);

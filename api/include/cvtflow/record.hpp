@@ -62,9 +62,9 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Channels of energies so far [J], in five sums, from whose changes the mean of an efficiency follows; empty for other channels. A
-/// machine may lack some: they count as zero.
-[[nodiscard]] CVTFLOW_EXPORT std::vector<std::vector<std::string>> energies_of_efficiency(const std::string& channel);
+/// Channels so far by sum, from whose changes the mean of a quotient follows: of an efficiency five energies [J], of the speed ratio the
+/// angles of both shafts [rad]; empty for other channels. A machine may lack some: they count as zero.
+[[nodiscard]] CVTFLOW_EXPORT std::vector<std::vector<std::string>> sums_of_quotient(const std::string& channel);
 
 /// Writes the record of a simulation while it is advanced: channels, states, transitions and file of `cvtflow run`, at the scene's
 /// run.output_interval from now on. Settling is not recorded. Without `replace`, no existing file is replaced, and no rows of a killed run

@@ -36,9 +36,9 @@ class Span:
         self.periods = whole if self.period else 0
 
     def mean(self, record, name):
-        """Mean of a channel; of an efficiency the quotient of energies."""
+        """Mean of a channel; of an efficiency or the ratio the quotient of sums."""
         rows = (record["time"] >= self.begin - 1e-12) & (record["time"] <= self.end + 1e-12)
-        return _known.efficiency_mean(record, name, self.begin, mean(record[name][rows]), self.end)
+        return _known.mean_of_quotient(record, name, self.begin, mean(record[name][rows]), self.end)
 
     def difference(self, a, b, name):
         """Times [s] and B - A there: means over pin periods, or rows of A where there are too few."""

@@ -3,6 +3,7 @@
 Exit status 0; 1: the message states why; 2: an option is invalid.
 """
 
+import gc
 import importlib
 import importlib.util
 import json
@@ -54,6 +55,7 @@ def file_of(described):
 
 
 def main():
+    gc.set_threshold(100_000)  # a process of two seconds: by default a tenth of them are searches for cycles
     request = json.load(sys.stdin.buffer)
     os.chdir("/")  # a matplotlibrc in the working folder has no effect
     draws = request["command"] != "rainflow"

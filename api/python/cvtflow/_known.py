@@ -6,6 +6,8 @@ import math
 import os
 import re
 
+import numpy as np
+
 
 class Misuse(ValueError):
     """An option that the data do not have: exit status 2 of the program."""
@@ -17,7 +19,7 @@ class UnknownName(Misuse, KeyError):
     __str__ = Misuse.__str__
 
 
-received = {}  # by such a process: "display", "dimensions", "channels", "efficiencies", "dials"
+received = {}  # by such a process: "display", "dimensions", "channels", "quotients", "dials"
 
 
 @functools.lru_cache(maxsize=None)
@@ -43,28 +45,31 @@ def dimension(unit):
     return (received or {"dimensions": {}})["dimensions"].get(unit, "").partition(" ")[2]
 
 
-def energies(name):
-    """Channels of energy so far by sum, from which the mean of an efficiency follows: losses, a pump, what presses, drive and load. Empty
-    for another channel."""
-    return received["efficiencies"].get(name, []) if received else _compiled()._energies_of_efficiency(name)
+def sums(name):
+    """Channels so far by sum, from which the mean of a quotient follows: of an efficiency losses, a pump, what presses, drive and load; of
+    the speed ratio the angles of both shafts. Empty for another channel."""
+    return received["quotients"].get(name, []) if received else _compiled()._sums_of_quotient(name)
 
 
-def efficiency_of(changes):
-    """1 - losses/input of the changes of those sums [J]; NaN where no energy flows: without input, without load (a hundredth of the input
-    at least), and where more is lost than comes in."""
+def quotient_of(changes):
+    """Of the changes of two sums their quotient, infinite or NaN where shaft 2 has not turned. Of five [J] 1 - losses/input; NaN where no
+    energy flows: without input, without load (a hundredth of the input at least), and where more is lost than comes in."""
+    if len(changes) == 2:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return float(np.divide(*changes))
     lost, pump, clamping, *shafts = changes
     given = max(0.0, pump if pump > 0.0 else clamping) + sum(max(0.0, shaft) for shaft in shafts)
     taken = sum(max(0.0, -shaft) for shaft in shafts)
     return 1.0 - lost / given if given > 0.0 and taken >= 0.01 * given and lost <= given else math.nan
 
 
-def efficiency_mean(record, name, begin, otherwise, end=None):
-    """The mean of an efficiency between two times of a record [s], over whole pin periods: the quotient of energies, as in the summary of
-    a run. `otherwise` of another channel. end: None: that of the record"""
+def mean_of_quotient(record, name, begin, otherwise, end=None):
+    """The mean of an efficiency or the speed ratio between two times of a record [s], over whole pin periods, as in the summary of a run.
+    `otherwise` of another channel. end: None: that of the record"""
     end = record["time"][-1] if end is None else end
     if record.pin_frequency and (periods := math.floor((end - begin) * record.pin_frequency * (1.0 + 1e-9))):
         begin = max(begin, end - periods / record.pin_frequency)
-    found = record._efficiency(name, begin, end)
+    found = record._quotient(name, begin, end)
     return otherwise if found is None else found
 
 

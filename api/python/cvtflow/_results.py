@@ -10,7 +10,7 @@ import numpy as np
 
 from ._channels import split
 from ._cvtflow import Scene, Simulation, Threads
-from ._known import energies
+from ._known import sums
 from ._numbers import Array
 from ._series import Record, Series, seconds  # noqa: F401 (Record: of recordings)
 
@@ -18,12 +18,12 @@ from ._series import Record, Series, seconds  # noqa: F401 (Record: of recording
 class Rows(Series, dict[str, Array]):
     """Result of run(): arrays over time by name. info contains their units; frame() and plot() as for a Record."""
 
-    def __init__(self, values: Mapping[str, Array], info: Mapping[str, Any], energies: Any = None) -> None:
+    def __init__(self, values: Mapping[str, Array], info: Mapping[str, Any], sums: Any = None) -> None:
         super().__init__(values)
-        self.info, self._energies = info, energies or {}
+        self.info, self._sums = info, sums or {}
 
-    def _energy(self, name):
-        return self._energies.get(name)
+    def _sum(self, name):
+        return self._sums.get(name)
 
     def __repr__(self):
         return f"<cvtflow.Rows: {len(self['time'])} rows of {', '.join(self)}>"
@@ -57,7 +57,7 @@ def run(scene: Scene | Simulation | str, until: float | str | None = None, *,
     if simulation.time < 0.0:
         simulation.advance_to(0.0)
     first = math.ceil(simulation.time / interval * (1.0 - 1e-9))
-    sums_of = {name for channel in channels for sums in energies(channel) for name in sums if name in now}
+    sums_of = {name for channel in channels for parts in sums(channel) for name in parts if name in now}
     rows = {"time": []} | {name: [] for name in channels} | {name: [] for name in sums_of}
     for number in range(first, math.floor(until / interval * (1.0 + 1e-9)) + 1):
         simulation.advance_to(number * interval)

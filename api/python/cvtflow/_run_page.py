@@ -67,7 +67,7 @@ def late_means(record):
     rows = time >= begin - 1e-9 * (time[-1] - time[0])
     if period and time[-1] - begin >= period * (1.0 - 1e-9) and np.count_nonzero(rows) > 1:
         return record.means(begin), begin
-    return {name: _known.efficiency_mean(record, name, begin, mean(record[name][row:])) for name in plots.overview(record)}, begin
+    return {name: _known.mean_of_quotient(record, name, begin, mean(record[name][row:])) for name in plots.overview(record)}, begin
 
 
 def _figures(record, si):
@@ -79,7 +79,7 @@ def _figures(record, si):
         values, column = record[name], record.info[name]
         finite = values[np.isfinite(values)]
         label, factor = shown(name, column.unit, si)
-        whole = _known.efficiency_mean(record, name, record["time"][0], mean(values))
+        whole = _known.mean_of_quotient(record, name, record["time"][0], mean(values))
         ends = (finite.min(), finite.max()) if len(finite) else (math.nan, math.nan)
         figures = [whole, late.get(name, math.nan), *ends]
         rows.append([name, unit_of(label), *(number(factor * each) for each in figures), column.description])

@@ -62,8 +62,8 @@ class Series:
     def means(self, begin: float | str | None = None) -> dict[str, float]:
         """Means of all channels of one number from `begin` [s] (a text carries its unit; None: the middle) to the end, by the trapezoidal
         rule: a dict by name, in SI. Of a Record, `begin` moves to where whole pin periods remain. Rows that are not finite count as none.
-        An efficiency is the quotient of the energies in that time, as in the summary of a run; NaN where none flows. Raises ValueError for
-        fewer than two rows from there on."""
+        An efficiency is the quotient of the energies in that time, as in the summary of a run; NaN where none flows. The ratio is that of
+        the angles; infinite or NaN where shaft 2 does not turn. Raises ValueError for fewer than two rows from there on."""
         time = self["time"]
         begin = 0.5 * (time[0] + time[-1]) if begin is None else seconds(begin)
         if period := self._pin_period():
@@ -73,7 +73,7 @@ class Series:
             raise ValueError(f"means: fewer than two rows from {begin:.6g} s on")
         made = {}
         for name in (name for name, column in self.info.items() if column.width == 1 and name != "time"):
-            if (quotient := self._efficiency(name, begin, time[-1])) is not None:
+            if (quotient := self._quotient(name, begin, time[-1])) is not None:
                 made[name] = quotient
                 continue
             values = self[name]
@@ -83,18 +83,18 @@ class Series:
             made[name] = float(weight @ values[finite] / weight.sum()) if weight.size else math.nan
         return made
 
-    def _energy(self, name):
-        """A channel of energy so far; None: not recorded."""
+    def _sum(self, name):
+        """A channel so far; None: not recorded."""
         return self[name] if name in self.info else None
 
-    def _efficiency(self, name, begin, end):
-        """Quotient of energies between two times [s], of which those not recorded are 0; None of a channel that is no efficiency."""
-        def gained(energy):
-            values = self._energy(energy)
+    def _quotient(self, name, begin, end):
+        """Quotient of sums between two times [s], of which those not recorded are 0; None of a channel that is no such quotient."""
+        def gained(part):
+            values = self._sum(part)
             return 0.0 if values is None else float(np.diff(np.interp([begin, end], self["time"], values))[0])
 
-        sums = _known.energies(name)
-        return _known.efficiency_of([sum(map(gained, each)) for each in sums]) if sums else None
+        sums = _known.sums(name)
+        return _known.quotient_of([sum(map(gained, each)) for each in sums]) if sums else None
 
     def rainflow(self, channel: str, begin: float | str | None = None, until: float | str | None = None) -> Array:
         """Load cycles of a channel of one number, as `cvtflow table --rainflow` counts them (ASTM E1049): an array with the fields range

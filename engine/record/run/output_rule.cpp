@@ -303,11 +303,16 @@ void write_device(const std::string& path, std::string_view bytes) {
 
 }  // namespace
 
-void write_whole(const Permit& permit, std::string_view bytes) {
+void write_whole(const Permit& permit, std::string_view bytes, bool durable) {
     if (permit.device()) return write_device(permit.path(), bytes);
     PartFile part(permit);
     part.require(part.write(bytes.data(), bytes.size()));
-    part.publish();
+    part.publish(durable);
+}
+
+void sync_files_in(const std::string& folder) {
+    const Descriptor open_folder(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (syncfs(open_folder.number()) != 0) throw RecordError(folder + ": cannot write to disk: " + std::strerror(errno));
 }
 
 void remove_own_files(const fs::path& folder, const std::function<bool(const fs::path& file)>& own) {

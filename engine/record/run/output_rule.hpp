@@ -83,9 +83,11 @@ private:
 /// Whether a text, picture or archive has all of these marks in its first 4 KiB.
 [[nodiscard]] IsOwn text_with(std::vector<std::string> marks);
 
-/// Writes a file as a whole: it takes its name when it is complete, an existing file remains until then. @throws RecordError "FILE: cannot
-/// write: reason"
-void write_whole(const Permit& permit, std::string_view bytes);
+/// Writes a file as a whole: it takes its name when it is complete, an existing file remains until then. @param durable whether its bytes
+/// are on disk before it has its name; else the caller brings them there, sync_files_in(). @throws RecordError "FILE: cannot write: reason"
+void write_whole(const Permit& permit, std::string_view bytes, bool durable = true);
+/// Brings the files of a folder and their names to disk, by one sync of its file system. @throws RecordError
+void sync_files_in(const std::string& folder);
 
 /// Removes plain files of a folder for which own() is true, then the folder if it is empty. No link is followed, no folder entered.
 void remove_own_files(const std::filesystem::path& folder, const std::function<bool(const std::filesystem::path& file)>& own);

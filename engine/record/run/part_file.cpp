@@ -122,8 +122,9 @@ void PartFile::trim() noexcept {
     if (reserved_ > 0 && fstat(descriptor_.number(), &file) == 0 && ftruncate(descriptor_.number(), file.st_size) == 0) reserved_ = 0;
 }
 
-void PartFile::publish() {
+void PartFile::publish(bool durable) {
     trim();
+    if (!durable) return permit_.give_name(part_path_);
     if (const int reason = sync(); reason != 0) throw RecordError(part_path_ + ": cannot write to disk: " + std::strerror(reason));
     permit_.give_name(part_path_);
     // So that the new name survives a power cut; the data are safe already, so failure is no error.

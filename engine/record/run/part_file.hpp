@@ -35,9 +35,9 @@ public:
     [[nodiscard]] int sync() noexcept;
     /// Gives back what was reserved beyond the end.
     void trim() noexcept;
-    /// Syncs, renames to the final name, syncs the folder. @throws RecordError if another file has the name since it was permitted; the
-    /// .part file stays
-    void publish();
+    /// Syncs, renames to the final name, syncs the folder; not `durable`: renames only. @throws RecordError if another file has the name
+    /// since it was permitted; the .part file stays
+    void publish(bool durable = true);
     /// Deletes the .part file.
     void discard() noexcept;
     /// Deletes the .part file and throws RecordError("FILE: cannot write: …") for an errno of the functions above.

@@ -2,9 +2,10 @@
 /// The record of a run: channels over time, states, tables of events, attributes, in one HDF5 file.
 ///
 ///     /                     attributes: format "cvtflow run", format_version, status, and those given
-///     /channels/time        [n] s                   /channels/<name>  [n] or [n, width], attributes units, description, index, axis;
-///     scale: time /states/time          [m] s                   /states/y  [m, state_size]     /states/phases  [m, phase_count] (uint8)
-///     /tables/<name>        [k] compound of float64 and int64; attributes description, units[], descriptions[] (one per column)
+///     /channels/time  [n] s    /channels/<name>  [n] or [n, width]; attributes units, description, index, axis; scales: time, axis
+///     /states/time    [m] s    /states/y  [m, state_size]    /states/phases  [m, phase_count] (uint8)
+///     /tables/<name>  [k] compound of float64 and int64; attributes description, units[], descriptions[] (one per column)
+///     /<axis>         scale of a second dimension, without numbers: /link, /tip, /unknown, /phase, …
 ///
 /// During the run, the file is `<path>.part`, open as single writer with multiple readers (SWMR). After a kill at any instant it
 /// holds all rows up to the last flush; channels may be longer than their time, never shorter. It takes its final name in close(), at once.

@@ -1,5 +1,6 @@
 #include "engine/record/run/run_layout.hpp"
 
+#include <fmt/format.h>
 #include <hdf5_hl.h>
 
 #include <algorithm>
@@ -57,14 +58,31 @@ std::vector<Handle> create_block(hid_t file, const BlockShape& block) {
     return datasets;
 }
 
-void describe_channels(const std::vector<Handle>& datasets, const std::vector<ChannelInfo>& channels) {
+/// Names the second dimension of a dataset by a scale without numbers at the top of the file, where netCDF finds it from every group; the
+/// first dataset along an axis makes it.
+void attach_axis(hid_t file, hid_t dataset, const std::string& axis, std::size_t width) {
+    const std::string what = "cannot make the axis '" + axis + "'";
+    if (!has_object(file, "/" + axis)) {
+        const hsize_t size = width;
+        const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose, what);
+        const Handle made(H5Dcreate2(file, axis.c_str(), H5T_NATIVE_UINT8, space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
+                          what);
+        const std::string mark = fmt::format("This is a netCDF dimension but not a netCDF variable. {:10}", width);
+        check(H5DSset_scale(made.id(), mark.c_str()), what);
+    }
+    const Handle scale = open_series(file, "/" + axis);
+    check(H5DSattach_scale(dataset, scale.id(), 1), what);
+    check(H5DSset_label(dataset, 1, axis.c_str()), what);
+}
+
+void describe_channels(hid_t file, const std::vector<Handle>& datasets, const std::vector<ChannelInfo>& channels) {
     for (std::size_t i = 0; i < channels.size(); ++i) {
         const hid_t dataset = datasets[i].id();
         write_attribute(dataset, {"units", channels[i].unit});
         write_attribute(dataset, {"description", channels[i].description});
         write_attribute(dataset, {"index", static_cast<std::int64_t>(i)});
         if (channels[i].width > 1 && !channels[i].axis.empty()) {
-            check(H5DSset_label(dataset, 1, channels[i].axis.c_str()), "cannot label '" + channels[i].name + "'");  // for others
+            attach_axis(file, dataset, channels[i].axis, static_cast<std::size_t>(channels[i].width));
             write_attribute(dataset, {"axis", channels[i].axis});
         }
     }
@@ -133,9 +151,12 @@ void create_run(const std::string& path, const RunContents& contents, const RunL
     write_attribute(file.id(), {"format_version", run_format_version});
     write_attribute(file.id(), {"status", "running"});
     for (const Attribute& attribute : contents.attributes) write_attribute(file.id(), attribute);
-    describe_channels(create_block(file.id(), layout.channels), contents.channels);
-    if (const auto datasets = create_block(file.id(), layout.states); !datasets.empty())
+    describe_channels(file.id(), create_block(file.id(), layout.channels), contents.channels);
+    if (const auto datasets = create_block(file.id(), layout.states); !datasets.empty()) {
         write_attribute(datasets.front().id(), {"description", contents.state_description});
+        attach_axis(file.id(), datasets[0].id(), "unknown", contents.state_size);
+        if (contents.phase_count > 0) attach_axis(file.id(), datasets[1].id(), "phase", contents.phase_count);
+    }
     for (std::size_t i = 0; i < contents.tables.size(); ++i) create_table(file.id(), layout.tables[i], contents.tables[i]);
     file.close("cannot create");
 }

@@ -99,9 +99,9 @@ private:
         if (one_output && term_.element == every_element)
             return fmt::format("{} belongs to one output; name an element of {}", how_, name_);
         if (term_.reduction != Reduction::mean || term_.element != 0) return {};
-        term_.integral = term_.channel->energies();
-        term_.efficiency = term_.integral != nullptr;
-        if (!term_.efficiency) term_.integral = term_.channel->integral();
+        term_.integral = term_.channel->sums();
+        term_.quotient = term_.integral != nullptr;
+        if (!term_.quotient) term_.integral = term_.channel->integral();
         return {};
     }
 
@@ -185,18 +185,12 @@ void TermSum::integrate(const ScalarTerm& term, double instant, double number) n
     ++count;
 }
 
-namespace {
-
-constexpr std::size_t energy_sums = EfficiencyChannels::sums;
-
-}  // namespace
-
-void TermSum::add_energies(double instant, std::span<const double> energies) {
+void TermSum::add_sums(double instant, std::span<const double> sums) {
     const bool first = count++ == 0;
-    all.resize(2 * energy_sums);
-    for (std::size_t k = 0; k < energy_sums; ++k) {
-        all[k] += first ? 0.0 : energies[k] - all[energy_sums + k];
-        all[energy_sums + k] = energies[k];
+    all.resize(2 * sums.size());
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+        all[k] += first ? 0.0 : sums[k] - all[sums.size() + k];
+        all[sums.size() + k] = sums[k];
     }
     span += first ? 0.0 : instant - time;
     time = instant;
@@ -229,7 +223,7 @@ void TermSum::add(const ScalarTerm& term, const TermSum& later) {
             time = later.time;
             last = later.last;
             all.resize(later.all.size());
-            for (std::size_t k = 0; k < all.size(); ++k) all[k] = k < energy_sums ? all[k] + later.all[k] : later.all[k];
+            for (std::size_t k = 0; k < all.size(); ++k) all[k] = 2 * k < all.size() ? all[k] + later.all[k] : later.all[k];
             break;
         case Reduction::median: all.insert(all.end(), later.all.begin(), later.all.end()); break;
         case Reduction::at: value = before > 0 ? value : later.value; break;
@@ -244,9 +238,9 @@ TermSum TermSum::continued(const ScalarTerm& term) const {
     later.count = 1;
     later.time = time;
     later.last = last;
-    if (term.efficiency) {
+    if (term.quotient) {
         later.all = all;
-        std::fill_n(later.all.begin(), energy_sums, 0.0);
+        std::fill_n(later.all.begin(), all.size() / 2, 0.0);
     }
     return later;
 }
@@ -257,12 +251,12 @@ void TermSum::begin_at(const ScalarTerm& term, double begin, const TermSum& befo
     const auto there = [share](double at_before, double at_after) { return at_before + share * (at_after - at_before); };
     value -= there(before.value, after.value);
     span -= there(before.span, after.span);
-    for (std::size_t k = 0; term.efficiency && k < energy_sums; ++k) all[k] -= there(before.all[k], after.all[k]);
+    for (std::size_t k = 0; term.quotient && 2 * k < all.size(); ++k) all[k] -= there(before.all[k], after.all[k]);
 }
 
 double TermSum::result(const ScalarTerm& term) const {
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
-    if (term.efficiency) return efficiency_of(std::span(all).first<energy_sums>());
+    if (term.quotient) return quotient_of(std::span(all).first(all.size() / 2));
     if (term.over_time()) {
         const double instant = term.integral == nullptr ? last : std::numeric_limits<double>::quiet_NaN();
         const double mean = span > 0.0 ? value / span : instant;
@@ -297,7 +291,7 @@ void Reducer::read(const Scalar& scalar, const Instant& now, const Occasion& whe
 
 void Reducer::add(const Scalar& scalar, std::size_t term, double time, std::span<const double> numbers) {
     const ScalarTerm& of = scalar.terms[term];
-    if (of.efficiency) return sums[term].add_energies(time, numbers);
+    if (of.quotient) return sums[term].add_sums(time, numbers);
     const bool one_output = of.reduction == Reduction::final || of.reduction == Reduction::at;
     if (of.over_time() && of.element == every_element) {
         const bool squares = of.reduction == Reduction::rms;
@@ -341,7 +335,7 @@ void Reducer::clear() noexcept {
 
 namespace {
 
-constexpr double layout_of_sums = -3.0;  ///< precedes the sums; the former layout began with a count
+constexpr double layout_of_sums = -4.0;  ///< precedes the sums; former layouts began with a count
 
 }  // namespace
 

@@ -25,8 +25,8 @@ struct ScalarTerm {
     int element = 0;  ///< number of an element of a wide channel, or every_element
     Reduction reduction = Reduction::mean;
     double time = 0.0;                  ///< time of `at`: the first output at or after it counts [s]
-    const Channel* integral = nullptr;  ///< channel whose change gives a mean: Channel::energies() or Channel::integral()
-    bool efficiency = false;            ///< `integral` is Channel::energies()
+    const Channel* integral = nullptr;  ///< channel whose change gives a mean: Channel::sums() or Channel::integral()
+    bool quotient = false;              ///< `integral` is Channel::sums()
 
     /// Whether it is an integral over the time between samples, over that time; others are of outputs.
     [[nodiscard]] bool over_time() const noexcept { return reduction == Reduction::mean || reduction == Reduction::rms; }
@@ -54,8 +54,8 @@ struct Scalar {
     [[nodiscard]] std::string description() const;
     /// Whether all terms are averages over time, whose errors batches of it show.
     [[nodiscard]] bool averages() const noexcept;
-    /// Whether it is undefined where no energy flows, which is no fault of a case.
-    [[nodiscard]] bool may_be_undefined() const noexcept { return std::ranges::any_of(terms, &ScalarTerm::efficiency); }
+    /// Whether it is undefined where no energy flows or shaft 2 is at rest, which is no fault of a case.
+    [[nodiscard]] bool may_be_undefined() const noexcept { return std::ranges::any_of(terms, &ScalarTerm::quotient); }
     /// Scale of the error of its mean, as of run.steady: the value, or the losses' share of the input for an efficiency.
     [[nodiscard]] double error_scale(double value) const noexcept;
 };
@@ -73,13 +73,13 @@ struct TermSum {
     double span = 0.0;        ///< length of an integral over time [s]
     double time = 0.0;        ///< time of the last sample [s]
     double last = 0.0;        ///< number at the last sample
-    std::vector<double> all;  ///< outputs of a median; for an efficiency, changes of its energies and their last values [2 x sums, J]
+    std::vector<double> all;  ///< outputs of a median; for a quotient, changes of its sums and their last values [2 x sums]
 
     /// Whether the term takes an instant. time [s]
     [[nodiscard]] bool takes(const ScalarTerm& term, double instant, const Occasion& when) const noexcept;
     void add(const ScalarTerm& term, double instant, double number);  ///< instant [s], number [unit of the channel that is read]
     void integrate(const ScalarTerm& term, double instant, double number) noexcept;
-    void add_energies(double instant, std::span<const double> energies);  ///< energies [EfficiencyChannels::sums, J]
+    void add_sums(double instant, std::span<const double> sums);  ///< sums of a quotient
     /// Adds what continued() has become.
     void add(const ScalarTerm& term, const TermSum& later);
     /// A sum over the time after it: an integral continues from its last sample.

@@ -42,14 +42,14 @@ void add_scene(Json& made, const std::optional<tasks::Scene>& scene) {
 }  // namespace
 
 Json known_json() {
-    Json display = Json::array(), channels = Json::object(), efficiencies = Json::object();
+    Json display = Json::array(), channels = Json::object(), quotients = Json::object();
     for (const tasks::DisplayRow& row : tasks::display_rows()) display.push_back({row.si, row.part, row.shown, row.factor});
     for (const tasks::Channel& channel : tasks::channels()) channels[std::string(channel.name)] = channel.is(tasks::Channel::on_demand);
-    for (const tasks::EfficiencyChannels& each : tasks::efficiency_channels()) efficiencies[std::string(each.name)] = each.energies;
+    for (const tasks::QuotientChannels& each : tasks::quotient_channels()) quotients[std::string(each.name)] = each.sums;
     return {{"display", display},
             {"dimensions", dimensions()},
             {"channels", channels},
-            {"efficiencies", efficiencies},
+            {"quotients", quotients},
             {"dials", tasks::dial_keys()}};
 }
 

@@ -8,7 +8,7 @@
 
 namespace cvtflow::tools {
 
-/// Name and unit by name of channel, in which quantities are shown; which channels there are; energies of efficiencies.
+/// Name and unit by name of channel, in which quantities are shown; which channels there are; sums of quotients.
 [[nodiscard]] nlohmann::json known_json();
 /// "file", "path", "name", "scene" (values by key in SI, null if it cannot be read), "texts" (the same, readable).
 [[nodiscard]] nlohmann::json described(const RecordedRun& run);

@@ -116,7 +116,7 @@ void VtkSeries::add(double time, const VtkFrame& frame) {
     file += element("Points", points) + element("Cells", cells) + element("PointData", of_points) + element("CellData", of_cells);
     file += "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_" + blocks + "\n</AppendedData>\n</VTKFile>\n";
     const std::filesystem::path name = this->file(growing_, count_);
-    engine::write_whole({name.string(), {.force = replace_}}, file);
+    engine::write_whole({name.string(), {.force = replace_}}, file, false);
     ++count_;
     bytes_ += file.size();
     rows_ +=
@@ -126,11 +126,13 @@ void VtkSeries::add(double time, const VtkFrame& frame) {
 std::uintmax_t VtkSeries::finish() {
     const std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n" +
                              element("Collection", rows_) + "</VTKFile>\n";
-    finished_ = true;  // so that what cannot take its name stays
+    engine::sync_files_in(growing_.string());  // once for all files: two syncs of each were nine tenths of the time
+    finished_ = true;                          // so that what cannot take its name stays
     for (long number = 0; number < count_; ++number)
         engine::Permit(file(folder_, number).string(), {.force = replace_}).give_name(file(growing_, number).string());
     std::error_code ignored;
     std::filesystem::remove(growing_, ignored);
+    engine::sync_files_in(folder_.string());
     engine::write_whole(collection_, text);
     engine::remove_own_files(folder_, [this](const std::filesystem::path& there) { return number_of(there) >= count_; });
     return bytes_ + text.size();

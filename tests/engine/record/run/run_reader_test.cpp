@@ -130,20 +130,20 @@ import h5py, sys
 f = h5py.File(sys.argv[1], "r")
 print(f.attrs["format"], f.attrs["status"], f.attrs["scene"], f.attrs["pins"], f.attrs["pitch"])
 c = f["channels/links/tension"]
-print(c.attrs["units"], "|", c.attrs["description"], c.shape, c.dtype, [d.label for d in c.dims])
+print(c.attrs["units"], "|", c.attrs["description"], c.shape, c.dtype, [(d.label, d[0].name) for d in c.dims])
 print(c.dims[0]["time"] == f["channels/time"], f["channels/time"].attrs["CLASS"], f["channels/time"].attrs["units"])
 print(f["channels/ratio"].shape, f["channels/ratio"].dims[0].label, f["channels/ratio"].dims[0]["time"][3])
 s = f["states/y"]
-print(s.shape, s.dims[0]["time"][:], f["states/phases"].dtype, f["states/phases"][4])
+print(s.shape, s.dims[0]["time"][:], s.dims[1][0].name, f["states/phases"].dtype, f["states/phases"][4])
 t = f["tables/transitions"]
 print(t.dtype.names, t["pin"], t["pin"].dtype, list(t.attrs["units"]), list(t.attrs["descriptions"]), t.attrs["description"])
 )";
     EXPECT_EQ(python(program, example()),
               "b'cvtflow run' b'finished' b'baseline' 84 0.00812\n"
-              "b'N' | b'tension of every link' (10, 3) float64 ['time', 'link']\n"
+              "b'N' | b'tension of every link' (10, 3) float64 [('time', '/channels/time'), ('link', '/link')]\n"
               "True b'DIMENSION_SCALE' b's'\n"
               "(10,) time 0.003\n"
-              "(5, 4) [0.  0.1 0.2 0.3 0.4] uint8 [4 1]\n"
+              "(5, 4) [0.  0.1 0.2 0.3 0.4] /unknown uint8 [4 1]\n"
               "('time', 'pin') [80 81 82] int64 [b's', b'1'] [b'when', b'which pin'] b'changes of phase'\n");
 }
 
