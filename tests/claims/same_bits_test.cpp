@@ -12,7 +12,7 @@ namespace cvtflow::claims {
 namespace {
 
 /// The state after a short geometric start, with transitions in it.
-std::vector<double> end_of(const tasks::Scene& scene) {
+std::vector<double> final_state(const tasks::Scene& scene) {
     tasks::Simulation simulation(scene);
     tasks::SilentObserver silent;
     const engine::Cancellation never;
@@ -33,7 +33,7 @@ TEST_P(SameBits, WhateverTheSegmentsAndExecutor) {
             tasks::set_values(scene, std::vector<std::string>{std::string("run.method=") + method, std::string("run.step=") + step,
                                                               "detail.stick_slip=true", "run.segments=" + segments,
                                                               "run.schedule=" + schedule, "run.threads=" + threads});
-            return end_of(scene);
+            return final_state(scene);
         };
         const std::vector<double> one = run("1", "serial", "1");
         for (const std::string segments : {"2", "5", "9"}) EXPECT_EQ(run(segments, "serial", "1"), one) << method << ", " << segments;
