@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "engine/record/run/part_file.hpp"
 #include "engine/record/run/schema.hpp"
 #include "model/basis/portable_math.hpp"
 #include "model/observe/chain_forces.hpp"
@@ -126,14 +127,22 @@ void VtkSeries::add(double time, const VtkFrame& frame) {
 std::uintmax_t VtkSeries::finish() {
     const std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n" +
                              element("Collection", rows_) + "</VTKFile>\n";
+    engine::PartFile collection(collection_);
+    collection.require(collection.write(text.data(), text.size()));
+    collection.require(collection.sync());
     engine::sync_files_in(growing_.string());  // once for all files: two syncs of each were nine tenths of the time
     finished_ = true;                          // so that what cannot take its name stays
-    for (long number = 0; number < count_; ++number)
-        engine::Permit(file(folder_, number).string(), {.force = replace_}).give_name(file(growing_, number).string());
+    try {
+        for (long number = 0; number < count_; ++number)
+            engine::Permit(file(folder_, number).string(), {.force = replace_}).give_name(file(growing_, number).string());
+        engine::sync_files_in(folder_.string());
+    } catch (...) {
+        collection.discard();
+        throw;
+    }
     std::error_code ignored;
     std::filesystem::remove(growing_, ignored);
-    engine::sync_files_in(folder_.string());
-    engine::write_whole(collection_, text);
+    collection.publish();
     engine::remove_own_files(folder_, [this](const std::filesystem::path& there) { return number_of(there) >= count_; });
     return bytes_ + text.size();
 }
