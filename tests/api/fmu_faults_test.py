@@ -187,7 +187,7 @@ class Unreliable(unittest.TestCase):
     def test_a_step_that_makes_results_unreliable_warns_once(self):
         for version in VERSIONS:
             with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
-                fmu = ready(folder, version, more=("--method", "rk4", "--step", "200 ns"))
+                fmu = ready(folder, version, more=("--method", "rk4", "--step", "140 ns", "--set", "start.settling_time=5 ms"))
                 state, one, reference = snapshot(fmu), ctypes.c_size_t(1), (ctypes.c_uint * 1)(fmu.references["unreliable"])
 
                 def unreliable():
@@ -198,7 +198,7 @@ class Unreliable(unittest.TestCase):
 
                 for _ in range(2):  # also after the return to a reliable state
                     self.assertFalse(unreliable())
-                    statuses = [fmu.step(1e-5 * number, 1e-5) for number in range(10)]
+                    statuses = [fmu.step(2e-4 * number, 2e-4) for number in range(10)]
                     self.assertEqual(sorted(statuses), [OK] * 9 + [WARNING])
                     self.assertTrue(unreliable())
                     self.assertEqual(fmu.call(name_of(fmu, "SetFMUState"), state), OK)
