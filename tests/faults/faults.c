@@ -5,7 +5,8 @@
  *     CVTFLOW_FAULT=threads:2   pthread_create fails while 2 threads that it made live, as under ulimit -u
  *     CVTFLOW_FAULT_COUNTS=FILE at exit, "name calls failed" of every family is added to FILE, by every process that ends
  *
- *     CVTFLOW_APPEARS=FILE      another program writes "mine" to FILE when a file NAME.part is synced first, NAME as in FILE
+ *     CVTFLOW_APPEARS=FILE      another program writes "mine" to FILE when a file NAME.part is synced first, NAME as in FILE, or the files
+ *                               of FOLDER.part, FOLDER as in FILE
  *
  * Families: open, read, write, fsync, rename, mmap, malloc, pthread_create, threads, truncate, lock.
  */
@@ -147,7 +148,10 @@ static void let_appear(int file) {
     const ssize_t length = readlink(link, path, sizeof path - 1);
     const char* name = strrchr(other, '/');
     const size_t size = name != NULL ? strlen(name) : 0;
-    if (length < (ssize_t)size + 5 || name == NULL || strncmp(path + length - size - 5, name, size) != 0) return;
+    if (length < 5 || name == NULL || strncmp(path + length - 5, ".part", 5) != 0) return;
+    const int of_file = length >= (ssize_t)size + 5 && strncmp(path + length - size - 5, name, size) == 0;
+    const int of_folder = length == name - other + 5 && strncmp(path, other, (size_t)(name - other)) == 0;
+    if (!of_file && !of_folder) return;
     const int made = (int)syscall(SYS_openat, AT_FDCWD, other, O_WRONLY | O_CREAT | O_EXCL, 0600);
     if (made < 0) return;
     if (syscall(SYS_write, made, "mine\n", 5) != 5) abort();
@@ -156,6 +160,11 @@ static void let_appear(int file) {
 
 int fsync(int file) {
     CACHED(fsync);
+    let_appear(file);
+    return fails(FSYNC) ? -1 : real(file);
+}
+int syncfs(int file) {
+    CACHED(syncfs);
     let_appear(file);
     return fails(FSYNC) ? -1 : real(file);
 }
