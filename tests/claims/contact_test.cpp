@@ -182,7 +182,7 @@ TEST(Creep, ABlockPushedByLessThanItsFrictionCreepsAtTheShareOfTheSaturationSpee
 TEST(Creep, ARingDrivenByItsSheavesLagsByTheShareOfTheSaturationSpeed) {
     // With the whole model: a torque T on the shaft speeds up sheaves (I_s) and, through friction alone, the ring (I_r). So
     // friction passes on M = T I_r/(I_r + I_s) and needs the slip v0 M/(μ ΣN r), well below saturation.
-    model::Parameters p = ring_between_sheaves("straight");
+    model::Parameters p = ring_between_sheaves("lumped");
     p.drive.mode = model::DriveMode::torque;
     p.drive.torque = model::TimeTable(4.0);
     p.clamping.driving = model::TimeTable(2000.0);
