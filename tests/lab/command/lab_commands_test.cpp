@@ -108,7 +108,9 @@ TEST_F(LabCommands, WriteAsJsonWhatTheyMeasure) {
     EXPECT_EQ(trade["rounds"], 2);
     EXPECT_EQ(trade["recommended"].size(), 4u);
     // Other dials begin with a jolt, which steps of 0.5 us resolve: with automatic ones it is a matter of chance which variants balance.
-    const auto detail = json_of({"detail", "baseline", "--settle", "20us", "--average", "20us", "--step", "0.5us", "--control", "0 s"},
+    // Over the first 20 us it is most of the losses: rigid sheaves under lumped plates then miss by 1.2 to 1.3 of the tolerance at steps of
+    // 0.25 to 0.5 us. After 200 us no variant misses by more than 0.05 of it.
+    const auto detail = json_of({"detail", "baseline", "--settle", "200us", "--average", "200us", "--step", "0.5us", "--control", "0 s"},
                                 "detail_baseline.json");
     EXPECT_EQ(detail["variants"].size(), 9u);
     EXPECT_EQ(detail["variants"].back()["mass_scaling"], 3.0);
@@ -158,8 +160,8 @@ TEST_F(LabCommands, DetailKeepsFaultsOutOfItsTable) {
     const Outcome some = run(std::vector<std::string>{"detail", "baseline", "--set", "tip.deepest=20um"} +
                              brief);  // rigid pulleys take the jolt with deeper tips
     EXPECT_EQ(some.status, 5);
-    EXPECT_THAT(some.err, HasSubstr("cvtflow-lab: baseline: p=3 each   8 pt rigid: a tip of pin "));
-    EXPECT_THAT(some.out, testing::ContainsRegex("\n  p=3 each   8 pt rigid +1684 +- +- +- "));
+    EXPECT_THAT(some.err, HasSubstr("cvtflow-lab: baseline: each   8 pt rigid: a tip of pin "));
+    EXPECT_THAT(some.out, testing::ContainsRegex("\n  each   8 pt rigid +1684 +- +- +- .* penetration\n"));
     EXPECT_THAT(some.out, testing::Not(HasSubstr("a tip of")));
 }
 

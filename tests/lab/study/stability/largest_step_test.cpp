@@ -30,9 +30,6 @@
 namespace cvtflow::bench {
 
 using namespace tasks;
-using tasks::test::settled_tiny;
-
-using namespace tasks;
 
 namespace {
 
@@ -56,6 +53,18 @@ struct Place {
     return scene;
 }
 
+/// Scene `tiny`, settled for its 10 ms, once per process.
+[[nodiscard]] Scene steady_tiny() {
+    static const Scene steady = [] {
+        Scene scene = ready("tiny");
+        static const cvtflow::tests::TemporaryFile state("largest_step");
+        settle_scene(scene, state.path(), {});
+        set_values(scene, std::vector<std::string>{"start.state=" + state.path()});
+        return scene;
+    }();
+    return steady;
+}
+
 /// Where prediction misses by more, measured over predicted: rock2 on tiny 0.58 (it chooses among tables by the step, so that stable and
 /// unstable steps alternate).
 const std::set<std::pair<std::string, std::string>> known_misses{{"tiny", "rock2"}};
@@ -75,8 +84,11 @@ void expect_agreement(const Place& place, const std::string& method) {
     }
 }
 
+/// The state is a settled one: while contacts change what they do within a step, disturbances grow by that. After 1 ms dumka3 and
+/// leapfrog-rkc measured 0.79 and 0.89 of the prediction, by real multipliers of 1.5 to 4.4 that are others in each step; dumka3, of longer
+/// steps, 0.72 after 2 ms too. After 10 ms both agree within 0.2 %.
 TEST(LargestStep, IsMeasuredAsPredictedOnTheSmallestScene) {
-    const Place tiny(settled_tiny());
+    const Place tiny(steady_tiny());
     for (const char* method : {"rk4", "euler", "dumka3-p3", "rkc-s10", "dumka3", "leapfrog-rkc", "leapfrog-chebyshev", "leapfrog-sweep"})
         expect_agreement(tiny, method);
 }
@@ -87,11 +99,13 @@ TEST(LargestStep, IsMeasuredAsPredictedOnTheBaseline) {
     expect_agreement(baseline, "rk4");
 }
 
-TEST(LargestStep, OfALeapfrogIsBelowTwoMicrosecondsWhereItsRunsWentWrong) {
+/// Runs of `control` over 20 ms close their balance to 0.03 % with 1.95 us, to 0.11 to 0.16 % with 2 to 2.1 us; with 2.15 us they miss it
+/// by 0.8 % and are unreliable, with 2.2 us by 3.9 %, with 2.4 us by a factor of seven.
+TEST(LargestStep, OfALeapfrogIsBetweenThoseWithWhichRunsAreRightAndWrong) {
     const Place control(ready("control"));
     const StepLimit limit = predicted_step_limit(control.chain, "leapfrog-chebyshev");
-    EXPECT_LT(limit.step, 2e-6);
-    EXPECT_GT(limit.step, 1.8e-6);  // with which these runs are right
+    EXPECT_LT(limit.step, 2.15e-6);
+    EXPECT_GT(limit.step, 1.95e-6);
     EXPECT_EQ(limit.by, StepLimiter::oscillation);
     EXPECT_GT(limit.step * limit.oscillation, 1.0);
     EXPECT_LT(limit.step * limit.oscillation, 2.0);
@@ -107,7 +121,7 @@ TEST(LargestStep, KnowsDampingThatALeapfrogTakesExplicitly) {
 }
 
 TEST(LargestStep, IsWhereTheGrowthOfAStepPassesOne) {
-    const Place tiny(settled_tiny());
+    const Place tiny(steady_tiny());
     const double limit = predicted_step_limit(tiny.chain, "leapfrog-rkc").step;
     EXPECT_LE(predicted_growth(tiny.chain, "leapfrog-rkc", 0.97 * limit), 1.0 + growth_factor_tolerance);
     EXPECT_GT(predicted_growth(tiny.chain, "leapfrog-rkc", 1.03 * limit), 1.0 + growth_factor_tolerance);
@@ -123,7 +137,7 @@ TEST(LargestStep, ReportsThatLightSheavesSetIt) {
 }
 
 TEST(LargestStep, OfTheTrapezoidalRuleHasNoLimit) {
-    const Place tiny(settled_tiny());
+    const Place tiny(steady_tiny());
     EXPECT_TRUE(std::isinf(predicted_step_limit(tiny.chain, "trapezoidal-full").step));
     EXPECT_EQ(predicted_step_limit(tiny.chain, "trapezoidal-full").by, StepLimiter::nothing);
     EXPECT_THROW((void)predicted_step_limit(tiny.chain, "rk5"), std::invalid_argument);
@@ -151,16 +165,7 @@ void expect_all(const Place& place) {
 
 TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsOnTheBaseline) { expect_all(Place(ready("baseline"))); }
 TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsUnderControl) { expect_all(Place(ready("control"))); }
-/// Settled as in the scene, for 10 ms. (At 1 ms, as in the short test, tips still come to the sheaves, and contacts pass their
-/// kink within a measured step.)
-TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsOnTheSmallestScene) {
-    Scene tiny = ready("tiny");
-    const cvtflow::tests::TemporaryFile state("largest_step");
-    const std::string& file = state.path();
-    settle_scene(tiny, file, {});
-    set_values(tiny, std::vector<std::string>{"start.state=" + file});
-    expect_all(Place(tiny));
-}
+TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsOnTheSmallestScene) { expect_all(Place(steady_tiny())); }
 
 TEST(StableStep, IsTheReachOfTheRegionOverASingleEigenvalue) {
     for (const char* name : {"rk4", "heun", "dopri54", "dumka3-p3", "dumka3-p5", "rkc-s10"}) {
