@@ -29,7 +29,7 @@ class TipGroup {
 
 public:
     [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
-                                    const RigidKick& kick, RigidColumns& columns, const PinBlocks<W>::Blocks& blocks) noexcept
+                                    const RigidKick& kick, RigidColumns& columns, const typename PinBlocks<W>::Blocks& blocks) noexcept
         : c_(c), n_(numbers), kick_(kick), pins_(columns, blocks), motion_(c, numbers, sheaves, kick, pins_) {}
 
     [[gnu::always_inline]] void place() noexcept {
