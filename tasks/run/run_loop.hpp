@@ -33,6 +33,7 @@ struct RunEnd {
 };
 [[nodiscard]] RunEnd end_of(const Scene& scene);
 
+/// Settles a simulation and runs it from its present state.
 class RunLoop final : private RunObserver {
 public:
     /// All must outlive the loop. @param history  settling and wall times of the run, which the loop continues
