@@ -262,6 +262,16 @@ class SeveralRecords(Pages):
         self.lacks(text, 'data-key="detail.joint_points"')
 
 
+class Figures(Pages):
+    def test_means_of_all_rows_weigh_them_by_time(self):
+        with h5py.File("run.h5") as file:
+            times, tension = file["channels/time"][:], file["channels/tight_tension"][:]
+        mean = np.trapz(tension, times) / (times[-1] - times[0])
+        row = re.search(r'<tr data-channel="tight_tension">.*?<td[^>]*data-value="([^"]*)"', page("run.h5", "--si"))
+        self.assertAlmostEqual(float(row[1]) / mean, 1.0, delta=1e-8)  # it has nine digits
+        self.assertGreater(abs(tension.mean() / mean - 1.0), 1e-7)
+
+
 class MeasuredData(Pages):
     def test_has_deviations_from_the_curve_that_is_drawn(self):
         """Points beyond the record, 20 us, do not count."""

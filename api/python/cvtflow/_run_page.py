@@ -74,14 +74,14 @@ def _figures(record, si):
     """Mean of all rows, of the last ones, least and largest of the main quantities."""
     row, steady = late_row(record)
     late, begin = late_means(record)
+    whole = record.means(record["time"][0]) if record.rows > 1 else {}
     rows = []
     for name in plots.overview(record):
         values, column = record[name], record.info[name]
         finite = values[np.isfinite(values)]
         label, factor = shown(name, column.unit, si)
-        whole = _known.mean_of_quotient(record, name, record["time"][0], mean(values))
         ends = (finite.min(), finite.max()) if len(finite) else (math.nan, math.nan)
-        figures = [whole, late.get(name, math.nan), *ends]
+        figures = [whole.get(name, mean(values)), late.get(name, math.nan), *ends]
         rows.append([name, unit_of(label), *(number(factor * each) for each in figures), column.description])
     last = "mean of the last half, which is steady" if steady else "mean of the last fifth"
     headings = ["channel", "unit", "mean", last, "least", "largest", "meaning"]

@@ -78,8 +78,10 @@ class Series:
                 continue
             values = self[name]
             finite = rows & np.isfinite(values)
-            weight = np.gradient(time[finite]) if np.count_nonzero(finite) > 1 else np.ones(np.count_nonzero(finite))
-            weight[[0, -1]] *= 0.5 if len(weight) > 1 else 1.0
+            weight = np.ones(np.count_nonzero(finite))
+            if len(weight) > 1:
+                weight = np.gradient(time[finite])
+                weight[[0, -1]] *= 0.5
             made[name] = float(weight @ values[finite] / weight.sum()) if weight.size else math.nan
         return made
 
