@@ -59,7 +59,8 @@ def wear(record):
 
 def rounds_text(found):
     """Over how much of the chain's way sums are."""
-    return f"sums over {found['rounds']:.3g} rounds of the chain" if found["rounds"] else "sums over the record"
+    rounds = found["rounds"]
+    return f"sums over {rounds:{'.3g' if rounds < 999.5 else '.0f'}} rounds of the chain" if rounds else "sums over the record"
 
 
 def sampled(record, found, width):
