@@ -142,7 +142,7 @@ def draw(panels, heading="", ax=None):
 
 
 def _fill(axis, panel, is_last):
-    from matplotlib.ticker import NullLocator
+    from matplotlib.ticker import LogLocator, NullLocator
 
     axis.set_title(plain(panel.title), wrap=False)
     for which, scale in zip("xy", panel.scales):
@@ -169,6 +169,8 @@ def _fill(axis, panel, is_last):
     for each, ends in ((axis.xaxis, axis.get_xlim()), (axis.yaxis, axis.get_ylim())):
         if each.get_scale() == "log" and ends[1] > _MANY_DECADES * ends[0]:
             each.set_minor_locator(NullLocator())
+        elif each.get_scale() == "log" and ends[1] < 200.0 * ends[0] and not panel.fields:
+            each.set_major_locator(LogLocator(10.0, subs=(1.0, 2.0, 5.0)))
     if axis.get_legend_handles_labels()[0]:
         _legend(axis, panel, is_last)
 
@@ -199,9 +201,12 @@ def _legend(axis, panel, is_last):
 
 
 def _tick(value, _=None):
-    """0.01, 0.002, 10⁻³, 10⁴: the number at a tick."""
-    exponent = round(math.log10(value)) if value > 0.0 else 0
-    return "10" + str(exponent).translate(_RAISED) if abs(exponent) > 2 and math.isclose(value, 10.0 ** exponent) else f"{value:g}"
+    """0.01, 0.002, 10⁻³, 2·10⁻⁵, 10⁴: the number at a tick."""
+    exponent = math.floor(math.log10(value) + 1e-9) if value > 0.0 else 0
+    leading = f"{value / 10.0 ** exponent:g}"
+    if abs(exponent) < 3 or exponent == -3 and leading != "1":
+        return f"{value:g}"
+    return ("" if leading == "1" else leading + "·") + "10" + str(exponent).translate(_RAISED)
 
 
 def _plain_numbers(axis, ratio):
