@@ -245,6 +245,8 @@ def _bars(axis, panel):
 
 def _lines(axis, panel):
     free = itertools.count()
+    if any(line.style.get("linestyle") in ("none", "None", "") for line in panel.lines):
+        axis.margins(x=0.03)  # points keep off the frame
     for line in panel.lines:
         look = dict(line.style)
         if "color" not in look:
