@@ -220,15 +220,6 @@ class Sweeps(Folder):
         with self.assertRaisesRegex(cvtflow.SceneError, r"sweep.toml:\d+:\d+: .*did you mean"):
             cvtflow.Sweep("tiny", {"load.torqe": [6.0]}, ["slip mean"]).run(self.folder)
 
-    def test_a_sweep_is_handed_to_the_script_for_slurm(self):
-        script = Path(self.folder, "submit")
-        script.write_text('#!/bin/sh\necho "$@"\n')
-        script.chmod(0o755)
-        os.environ["CVTFLOW_SLURM_SUBMIT"] = str(script)
-        said = cvtflow.Sweep("tiny", {"load.torque": [6.0]}, ["slip mean"]).submit(self.folder + "/out", "4")
-        self.assertEqual(said, f"{self.folder}/out.toml {self.folder}/out 4\n")
-        self.assertEqual(cvtflow._cvtflow.SweepFile.read(self.folder + "/out.toml").cases, 1)
-
 
 class Progress(Folder):
     RUN = f"""import sys, cvtflow
@@ -263,19 +254,19 @@ class SweepFiles(Folder):
 
     def setUp(self):
         super().setUp()
-        script = Path(self.folder, "submit")
-        script.write_text('#!/bin/sh\necho "$@"\n')
-        script.chmod(0o755)
-        os.environ["CVTFLOW_SLURM_SUBMIT"] = str(script)
-        self.addCleanup(os.environ.pop, "CVTFLOW_SLURM_SUBMIT", None)
+        programs = Path(self.folder, "bin")
+        programs.mkdir()
+        for name in ("sbatch", "cvtflow"):
+            Path(programs, name).write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
+            Path(programs, name).chmod(0o755)
+        self.enterContext(unittest.mock.patch.dict(os.environ, {"PATH": f"{programs}:{os.environ['PATH']}"}))
 
     def sweep(self, load=6.0, scene="tiny"):
         return cvtflow.Sweep(scene, {"load.torque": [load]}, ["slip mean"], settings=SETTINGS)
 
     def test_folders_whose_names_differ_behind_a_dot_have_files_of_their_own(self):
         for number, load in ((1, 6.0), (2, 7.0)):
-            said = self.sweep(load, tiny()).submit(f"{self.folder}/study-0.{number}")
-            self.assertEqual(said.split()[0], f"{self.folder}/study-0.{number}.toml")
+            self.sweep(load, tiny()).submit(f"{self.folder}/study-0.{number}")
         for number, load in ((1, "6.0"), (2, "7.0")):
             self.assertIn(f"values = [{load}]", Path(self.folder, f"study-0.{number}.toml").read_text())
             self.assertTrue(Path(self.folder, f"study-0.{number}.scene.toml").exists())
@@ -311,16 +302,13 @@ class SweepFiles(Folder):
         for name, contents in before.items():
             self.assertEqual(Path(self.folder, name).read_bytes(), contents, name)
 
-    def test_the_script_is_that_of_the_installation_alone(self):
-        planted = Path(self.folder, "share/cvtflow/slurm/submit")
-        planted.parent.mkdir(parents=True)
-        planted.write_text("#!/bin/sh\n")
-        sweep = importlib.import_module("cvtflow._sweep")
-        for place in ("cvtflow", "a/cvtflow", "a/b/c/d/cvtflow", "python3/cvtflow"):
-            with unittest.mock.patch.object(sweep, "__file__", f"{self.folder}/{place}/_sweep.py"):
-                self.assertRaises(FileNotFoundError, sweep._script)
-        with unittest.mock.patch.object(sweep, "__file__", f"{self.folder}/lib/python3/dist-packages/cvtflow/_sweep.py"):
-            self.assertEqual(sweep._script(), str(planted))
+    def test_slurm_gets_an_array_of_workers_of_a_folder(self):
+        told = self.sweep().submit(self.folder + "/a b", "--time=1:00", workers=3).split("\n")
+        self.assertEqual(told[:-1], ["--parsable", "--array=1-3", "--requeue", "--time=1:00", "--wrap"])
+        self.assertEqual(told[-1], f"exec {self.folder}/bin/cvtflow batch '{self.folder}/a b.toml' -o '{self.folder}/a b' --worker")
+        self.assertEqual(cvtflow._cvtflow.SweepFile.read(self.folder + "/a b.toml").cases, 1)
+        with unittest.mock.patch.dict(os.environ, {"PATH": self.folder}):
+            self.assertRaisesRegex(FileNotFoundError, "cvtflow: no such program", self.sweep().submit, self.folder + "/other")
 
 
 class Faces(unittest.TestCase):

@@ -132,20 +132,6 @@ TEST_F(HostilePlace, ReadsNoPipeAboveTheProgram) {
     EXPECT_EQ(shell("timeout 20 a/b/c/cvtflow list scenes").status, 0);
 }
 
-TEST_F(HostilePlace, NamesLogsWithPercentSignsForSlurmAsTheyAre) {
-    std::filesystem::create_directory(folder_ / "bin");
-    write("bin/sbatch", "#!/bin/sh\necho \"$@\" >> calls\necho 7\n");
-    std::filesystem::permissions(folder_ / "bin/sbatch", std::filesystem::perms::owner_all);
-    write("sweep.toml", "");
-    const Outcome outcome = shell("PATH=bin:$PATH \"$SOURCE/tools/slurm/submit\" sweep.toml 'a%j b'");
-    EXPECT_EQ(outcome.out, "7 7\n") << outcome.err;
-    EXPECT_THAT(read("calls"), HasSubstr("a%%j b/log/task-%a.txt"));
-    EXPECT_THAT(read("calls"), HasSubstr("a%%j b/log/merge.txt"));
-    for (const char* bad : {"--shards 1", "--shards 'a[$(touch run)]'", "--tasks 0"})
-        EXPECT_EQ(shell("PATH=bin:$PATH \"$SOURCE/tools/slurm/submit\" sweep.toml out " + std::string(bad)).status, 2) << bad;
-    EXPECT_FALSE(exists("run"));
-}
-
 TEST(CsvCell, IsNoFormulaAndReadsBack) {
     EXPECT_EQ(tasks::csv_cell("=cmd|' /C calc'!A1", true), "'=cmd|' /C calc'!A1");
     for (const char* text : {"+1+1", "-1-1", "@SUM(A1)", "\tx"}) EXPECT_EQ(tasks::csv_cell(text, true).front(), '\'') << text;

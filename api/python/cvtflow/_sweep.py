@@ -1,4 +1,4 @@
-"""Many variants of a scene, as `cvtflow batch` and the scripts for Slurm run them."""
+"""Many variants of a scene, as `cvtflow batch` runs them."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Sweep:
     accuracy  limit of the error of every scalar ("1 %"), or {"target": "1 %", "verify": 5, "seed": 1}: the sweep chooses detail, method and
               step, and columns error_of_... contain the errors of the cases that it verifies
     Malformed axes raise TypeError or ValueError, keys, values and scalars that a sweep file cannot have SceneError.
-    write() gives the file that `cvtflow batch` and tools/slurm/submit take; results() reads what they left, of one machine or of many.
+    write() gives the file that `cvtflow batch` takes; results() reads what they left, of one machine or of many.
     """
 
     def __init__(self, scene: Scene | str | os.PathLike[str], axes: Any, scalars: str | Iterable[str], *,
@@ -153,31 +153,24 @@ class Sweep:
         path = Path(folder)
         return Results(Table(str(path / "cases.h5" if path.is_dir() else path)))
 
-    def submit(self, folder: str | os.PathLike[str], *arguments: str) -> str:
-        """Hands the sweep to Slurm by the installed script. Returns what it printed. The sweep file is FOLDER.toml; one of another sweep,
-        which a job may be reading, is not replaced (RecordError)."""
+    def submit(self, folder: str | os.PathLike[str], *arguments: str, workers: int = 10) -> str:
+        """Submits a job array of workers to Slurm, with further arguments of `sbatch`, such as "--time=4:00:00". Returns the job's number.
+        The sweep file is FOLDER.toml; one of another sweep, which a job may be reading, is not replaced (RecordError). Raises
+        FileNotFoundError where `sbatch` or `cvtflow` is not on the PATH, subprocess.CalledProcessError where Slurm refuses the job."""
+        import shlex
+        import shutil
         import subprocess
 
-        script = os.environ.get("CVTFLOW_SLURM_SUBMIT") or _script()
-        folder = Path(folder)
+        folder, program = Path(folder).absolute(), shutil.which("cvtflow")
+        if program is None:
+            raise FileNotFoundError("cvtflow: no such program on the PATH, which workers run")
         files = self._files(folder.with_name(folder.name + ".toml"))
         folder.parent.mkdir(parents=True, exist_ok=True)
         _check(files)
         _replace(files, lambda there, text: there == text)
-        return subprocess.run([script, str(next(iter(files))), str(folder), *arguments], check=True, capture_output=True, text=True).stdout
-
-
-def _script():
-    """tools/slurm/submit of this module's installation: PREFIX/share of PREFIX/lib/pythonX.Y/site-packages/cvtflow, or share of the package."""
-    package = Path(__file__).resolve().parent
-    places = [package]
-    if package.parent.name in ("site-packages", "dist-packages"):
-        places.append(package.parents[3])
-    for place in places:
-        found = place / "share/cvtflow/slurm/submit"
-        if found.is_file():
-            return str(found)
-    raise FileNotFoundError("no share/cvtflow/slurm/submit in this module's installation; set CVTFLOW_SLURM_SUBMIT")
+        worker = shlex.join(["exec", program, "batch", str(next(iter(files))), "-o", str(folder), "--worker"])
+        return subprocess.run(["sbatch", "--parsable", f"--array=1-{workers}", "--requeue", *arguments, "--wrap", worker], check=True,
+                              stdout=subprocess.PIPE, text=True).stdout.strip()
 
 
 MARK = "# Written by cvtflow.Sweep, which may replace this file.\n"
