@@ -20,7 +20,7 @@ double scaling_speed(const Parameters& p) noexcept {
     return p.drive.mode != DriveMode::torque ? p.drive.speed.largest_magnitude() : p.control.reference_speed;
 }
 
-double grip(const Tip& tip) noexcept { return 2.0 * tip.friction.coefficient / portable_cos(tip.angle); }
+double grip(const Tip& tip) noexcept { return 2.0 * tip.largest_friction() / portable_cos(tip.angle); }
 
 double carrying_clamping(double safety, double load, double lever) noexcept { return safety * std::abs(load) / lever; }
 

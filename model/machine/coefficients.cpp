@@ -139,7 +139,7 @@ TipCoefficients tip_coefficients(const Parameters& p) {
             p.pulley.arc_position + t.radius * sine,
             t.hertz,
             p.chain.damping_ratio * critical / (t.hertz * t.reference_depth * root),
-            FrictionCurve(t.friction, p.detail),
+            FrictionCurve({t.largest_friction(), t.friction.saturation_speed}, p.detail),
             tip_law(p, p.oil.temperature)};
 }
 

@@ -157,6 +157,7 @@ struct Tip {
     double reference_depth = 9e-6;       ///< δ_T at which ζ is anchored [m]
     double deepest = 2e-4;               ///< deeper penetration is a fault [m]
     Friction friction{0.09, 0.01};
+    double friction_scale = 1.0;  ///< factor on μ of every law, e.g. of a calibration [1]
     TipFriction friction_law = TipFriction::constant;
     SpeedTable friction_table;          ///< law table: μ over the sliding speed
     double friction_memory = 0.0;       ///< L: distance over which friction follows the sliding speed; 0: at once [m]
@@ -164,6 +165,8 @@ struct Tip {
     double roughness = 0.2e-6;          ///< law lubricated: root mean square of both surfaces [m]
     double pressure_sensitivity = 0.0;  ///< a: relative change of μ per relative change of pressure [1]
     double reference_pressure = 1e9;    ///< pressure at which μ applies unchanged [Pa]
+    /// Coefficient of friction at the sliding speed where it is largest [1]
+    [[nodiscard]] double largest_friction() const noexcept { return friction_scale * friction.coefficient; }
     bool operator==(const Tip&) const = default;
 };
 

@@ -44,24 +44,13 @@ bool couples_load(const Scene& s) { return s.parameters.load.mode != model::Load
 bool starts_as_belt(const Scene& s) { return s.parameters.start.layout == model::StartLayout::belt; }
 bool has_radii(const Scene& s) { return s.parameters.pulley.innermost < s.parameters.pulley.outermost; }
 bool tips_remember(const Scene& s) { return s.parameters.tip.friction_memory > 0.0; }
+bool has_friction_table(const Scene& s) { return s.parameters.tip.friction_law == model::TipFriction::table; }
 bool has_tip_law(const Scene& s) { return s.parameters.tip.friction_law != model::TipFriction::constant; }
 
 /// A length in mm with four digits, for messages.
 std::string mm(double length) { return fmt::format("{:.4g} mm", 1e3 * length); }
 
 std::string seconds(double time) { return number_text(time) + " s"; }
-
-/// The largest friction of a tip is known everywhere as tip.friction_coefficient: clamping by torque, safety factors, stability.
-Violation table_has_its_largest(const Scene& scene) {
-    const model::Tip& tip = scene.parameters.tip;
-    if (tip.friction_law != model::TipFriction::table) return {};
-    if (tip.friction_table.speed.size() < 2)
-        return "tip.friction_table: tip.friction_law = \"table\" takes its friction from at least two points [speed, coefficient]";
-    const double coefficient = tip.friction.coefficient, largest = *std::ranges::max_element(tip.friction_table.value);
-    if (std::abs(largest - coefficient) <= 1e-9 * coefficient) return {};
-    return fmt::format("tip.friction_table: its largest value is {}, but tip.friction_coefficient is {}; they must be equal",
-                       number_text(largest), number_text(coefficient));
-}
 
 Violation imperfections_have_pulleys(const Scene& scene) {
     const model::Imperfection& i = scene.parameters.imperfection;
@@ -335,7 +324,9 @@ constexpr Row rows[] = {
      [](const Scene& s) { return s.parameters.tip.friction_law == model::TipFriction::lubricated; },
      [](const Scene& s) { return s.parameters.tip.limiting_traction <= s.parameters.tip.friction.coefficient; },
      "tip.limiting_traction: {tip.limiting_traction} is above tip.friction_coefficient = {tip.friction_coefficient}"},
-    {.find = table_has_its_largest},
+    {"tip.friction_table tip.friction_law", has_friction_table,
+     [](const Scene& s) { return s.parameters.tip.friction_table.speed.size() > 1; },
+     "tip.friction_table: tip.friction_law = \"table\" takes its friction from at least two points [speed, coefficient]"},
     {"tip.friction_memory tip.friction_law detail.pins detail.friction run.method", tips_remember, has_tip_law,
      "tip.friction_memory: friction of tip.friction_law = \"constant\" does not depend on the sliding speed"},
     {.find =

@@ -1,6 +1,7 @@
-/// Keys whose values follow from others: of vehicle and cycle, and gains of ratio control.
+/// Keys whose values follow from others: of vehicle and cycle, gains of ratio control, and the largest friction of a table.
 
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,12 +11,19 @@
 #include "model/force/pulley_inputs.hpp"
 #include "model/machine/belt.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
 
+constexpr std::string_view friction_key = "tip.friction_coefficient";
+
 [[nodiscard]] bool is_gain(std::string_view key) noexcept { return key == "control.proportional" || key == "control.integral"; }
+
+[[nodiscard]] bool table_gives_friction(const Scene& scene) noexcept {
+    return scene.parameters.tip.friction_law == model::TipFriction::table && !scene.parameters.tip.friction_table.value.empty();
+}
 
 /// Force of a cylinder per change of ln i, by which tips, attachment and tilt of its sheaves yield [N].
 [[nodiscard]] double elastic_stiffness(const model::Parameters& p) {
@@ -53,6 +61,7 @@ double driven_clamping_at_start(const model::Parameters& p) {
 
 bool is_derived(const Scene& scene, std::string_view key) noexcept {
     if (is_gain(key)) return scene.gains == ControlGains::found;
+    if (key == friction_key) return table_gives_friction(scene);
     if (!scene.vehicle.present()) return false;
     if (scene.cycle.present()) return key == "load.torque" || key == "drive.speed" || key == "control.ratio" || key == "start.ratio";
     return key == "load.torque" || key == "load.inertia" || key == "load.quadratic";
@@ -60,10 +69,19 @@ bool is_derived(const Scene& scene, std::string_view key) noexcept {
 
 std::string derived_text(const Scene& scene, std::string_view key) {
     if (is_gain(key)) return fmt::format("{}: follows from control.gains = \"found\"; remove one of both", key);
+    if (key == friction_key)
+        return fmt::format("{}: is the largest value of tip.friction_table, {}; remove it, and use tip.friction_scale to vary friction",
+                           key, number_text(*std::ranges::max_element(scene.parameters.tip.friction_table.value)));
     return fmt::format("{}: follows from [vehicle]{}; remove it", key, scene.cycle.present() ? " and [cycle]" : "");
 }
 
+bool has_derived(const Scene& scene) noexcept {
+    return scene.vehicle.present() || scene.gains == ControlGains::found || table_gives_friction(scene);
+}
+
 void derive(Scene& scene) {
+    model::Tip& tip = scene.parameters.tip;
+    if (table_gives_friction(scene)) tip.friction.coefficient = *std::ranges::max_element(tip.friction_table.value);
     if (scene.vehicle.present() && !scene.cycle.present()) model::load_by(scene.vehicle, scene.parameters.load);
     if (scene.vehicle.present() && scene.cycle.present() && scene.cycle.intervals() < static_cast<double>(max_points))
         model::Trip(scene.vehicle, scene.cycle).command(scene.parameters);
@@ -71,10 +89,10 @@ void derive(Scene& scene) {
 }
 
 void forget_derived(Scene& scene) {
-    if (!scene.vehicle.present() && scene.gains == ControlGains::given) return;
+    if (!has_derived(scene)) return;
     Scene defaults;
     for (const Parameter& key : parameter_table()) {
-        if (!is_derived(scene, key.key)) continue;
+        if (key.key == friction_key || !is_derived(scene, key.key)) continue;  // friction stays when the law changes
         std::visit([&](auto* member) { *member = *std::get<decltype(member)>(key.member(defaults)); }, key.member(scene));
     }
 }

@@ -94,15 +94,17 @@ std::span<const Parameter> parameter_table() {
      "Penetration at which the damping ratio applies exactly.", "depth under the baseline's clamping force"},
     {"tip.deepest", "m", 1e-6, 1e-2, {}, of<&Tip::deepest>, "A deeper penetration of a tip stops the run with a fault."},
     {"tip.friction_coefficient", "1", 0, 2, {}, of<&Tip::friction, &Friction::coefficient>,
-     "Coefficient of friction between tip and sheave.", published},
+     "Coefficient of friction between tip and sheave; with law table its largest value.", published},
+    {"tip.friction_scale", "1", 0.01, 10, {}, of<&Tip::friction_scale>,
+     "Factor on the friction of tips by any law, to calibrate measured friction or to vary it.", "1: as given"},
     {"tip.saturation_speed", "m/s", 1e-6, 10, {}, of<&Tip::friction, &Friction::saturation_speed>,
      "Sliding speed at which tip friction saturates.", "calibrated to the published spectrum"},
     {"tip.friction_law", "", 0, 0, {"constant", "table", "lubricated"}, of<&Tip::friction_law>,
      "Friction of tips beyond the saturation speed: tip.friction_coefficient at every speed; tip.friction_table; or boundary, mixed and "
      "full-film lubrication by an oil (section oil), from tip.friction_coefficient at rest to tip.limiting_traction."},
     {"tip.friction_table", "1", 0, 2, {}, of<&Tip::friction_table>,
-     "Coefficient of friction over the sliding speed, with law table: monotone between points, constant outside them. Its largest value is "
-     "tip.friction_coefficient.", "measured by the user"},
+     "Coefficient of friction over the sliding speed, with law table: monotone between points, constant outside them. "
+     "tip.friction_coefficient follows from it.", "measured by the user"},
     {"tip.friction_memory", "m", 0, 1e-2, {}, of<&Tip::friction_memory>,
      "Sliding distance over which friction of tips follows a change of the sliding speed, with a law that depends on it; 0: at once. Rigid "
      "pins only.", "model choice; Dieterich 1979, Ruina 1983"},

@@ -90,7 +90,9 @@ struct CrossCheck {
 };
 [[nodiscard]] std::span<const CrossCheck> cross_checks();
 
-/// Whether vehicle and cycle, or control.gains = "found", determine the value of `key`, and the scene must not.
+/// Whether any key follows from others: from vehicle and cycle, control.gains = "found", or a table of friction.
+[[nodiscard]] bool has_derived(const Scene& scene) noexcept;
+/// Whether others determine the value of `key`, and the scene must not.
 [[nodiscard]] bool is_derived(const Scene& scene, std::string_view key) noexcept;
 /// The problem of a scene that sets such a key.
 [[nodiscard]] std::string derived_text(const Scene& scene, std::string_view key);

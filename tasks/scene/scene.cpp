@@ -164,7 +164,7 @@ void Reading::check(const CrossCheck& cross_check) {
 /// Keys that follow from others may be given with the value that follows only, as in the scene of a record. Gains of a record are those
 /// that acted, whatever this program finds.
 void Reading::follow() {
-    if (!problems_.empty() || (!scene_.vehicle.present() && scene_.gains == ControlGains::given)) return;
+    if (!problems_.empty() || !has_derived(scene_)) return;
     const Scene before = scene_;
     derive(scene_);
     if (start_ == StartState::recorded && given_.contains("control.proportional")) scene_.parameters.control = before.parameters.control;

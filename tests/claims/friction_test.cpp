@@ -130,6 +130,26 @@ TEST(TipLaw, AConstantTableHasTheBitsOfTheConstantLaw) {
               hash_of("fine", "auto", {}));
 }
 
+TEST(TipLaw, AScaleIsAFactorOnEveryLaw) {
+    const std::vector<std::string> table{"tip.friction_law=table", "tip.friction_table=[[0, 0.08], [0.05, 0.04]]",
+                                         "tip.friction_scale=1.25"};
+    const std::vector<std::string> scaled{"tip.friction_law=table", "tip.friction_table=[[0, 0.1], [0.05, 0.05]]"};
+    for (const char* level : {"rigid", "fine"}) {
+        EXPECT_EQ(hash_of(level, "auto", table), hash_of(level, "auto", scaled)) << level;
+        EXPECT_EQ(hash_of(level, "auto", {"tip.friction_coefficient=0.08", "tip.friction_scale=1.25"}),
+                  hash_of(level, "auto", {"tip.friction_coefficient=0.1"}))
+            << level;
+    }
+    model::Parameters p;
+    p.tip.friction_law = model::TipFriction::lubricated;
+    const double mu = 2.0 * p.tip.friction.coefficient * model::tip_law(p, 353.15)->by_speed.at(0.5);
+    p.tip.friction_scale = 2.0;
+    EXPECT_EQ(p.tip.largest_friction() * model::tip_law(p, 353.15)->by_speed.at(0.5), mu);
+    const tasks::Scene scene = scene_at_level("tiny", "rigid", {"tip.friction_scale=1.25", "clamping.safety=1.5"});
+    const tasks::Scene plain = scene_at_level("tiny", "rigid", {"clamping.safety=1.5"});
+    EXPECT_DOUBLE_EQ(1.25 * tasks::driven_clamping_at_start(scene.parameters), tasks::driven_clamping_at_start(plain.parameters));
+}
+
 /// Friction that rises with the speed has a steady sliding speed: where 2 μ(v) S_2 r_2/cos β is the load's torque. The driven side alone
 /// slides, with the smaller clamping force. 4 %: the flank's share of friction, and the creep of the driving side.
 TEST(TipLaw, TheChainSlidesAsFastAsRisingFrictionCarriesTheLoad) {

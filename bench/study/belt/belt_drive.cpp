@@ -54,7 +54,7 @@ double zero_of(const Function& f, double low, double high, double tolerance) {
 
 BeltArcSolver::BeltArcSolver(const model::Parameters& p, const BeltPulley& pulley, const BeltParts& parts)
     : pulley_(pulley),
-      friction_(p.tip.friction.coefficient),
+      friction_(p.tip.largest_friction()),
       saturation_(p.tip.friction.saturation_speed * (parts.saturation_speed ? 1.0 : 1e-3)),
       sin_(std::sin(p.tip.angle)),
       law_(model::tip_law(p, p.oil.temperature)),
@@ -208,7 +208,7 @@ std::array<double, 2> belt_radii(const model::Parameters& p, double ratio) {
 }
 
 double belt_torque_limit(const model::Parameters& p, const BeltPoint& point) {
-    return 2.0 * p.tip.friction.coefficient * point.clamping * belt_radii(p, point.ratio)[1] / std::cos(p.tip.angle);
+    return 2.0 * p.tip.largest_friction() * point.clamping * belt_radii(p, point.ratio)[1] / std::cos(p.tip.angle);
 }
 
 BeltDrive solve_belt(const model::Parameters& p, const BeltPoint& point, const BeltParts& parts) {

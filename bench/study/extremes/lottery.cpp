@@ -55,7 +55,7 @@ constexpr OperatingPoint points[] = {{2.4, 1.18}, {1.0, 1.355}, {0.417, 1.55}};
 /// Torque at which friction lets the driven side slip: 2 mu S_2 r_2/cos(beta) [N m].
 [[nodiscard]] double carried_torque(const model::Parameters& p, double ratio, double clamping) {
     const auto radii = model::belt_radii(model::chain_length(p.chain), ratio, p.pulley.centre_distance);
-    return radii ? 2.0 * p.tip.friction.coefficient * clamping * radii->driven / std::cos(p.tip.angle) : 0.0;
+    return radii ? 2.0 * p.tip.largest_friction() * clamping * radii->driven / std::cos(p.tip.angle) : 0.0;
 }
 
 /// Draws a physical parameter within a factor of 2 of its value.

@@ -19,6 +19,7 @@
 #include "engine/base/provenance.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/scene.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/markup.hpp"
@@ -41,6 +42,7 @@ constexpr std::string_view usual_parameters[] = {"drive.inertia",
                                                  "plate.friction_coefficient",
                                                  "joint.friction_coefficient",
                                                  "tip.friction_coefficient",
+                                                 "tip.friction_scale",
                                                  "pulley.cylinder_damping",
                                                  "clamping.safety",
                                                  "control.proportional",
@@ -164,11 +166,13 @@ std::vector<FmuVariable> outputs(Simulation& simulation, const Names& requested,
     return rows;
 }
 
-/// Numbers of the machine. Keys that determine the size of the state, the method or the run remain as exported.
+/// Numbers of the machine. Keys that determine the size of the state, the method or the run remain as exported, as do those that follow.
 std::vector<FmuVariable> parameters(const Scene& scene, const Names& requested) {
     Names keys;
+    const tasks::Scene read = tasks::parse_scene(scene.text(), scene.name(), tasks::StartState::recorded);
     for (const tasks::Parameter& row : tasks::parameter_table()) {
-        if (row.kind() == tasks::Kind::number && row.section() != "run" && row.section() != "start") keys.emplace_back(row.key);
+        const bool is_number = row.kind() == tasks::Kind::number && !tasks::is_derived(read, row.key);
+        if (is_number && row.section() != "run" && row.section() != "start") keys.emplace_back(row.key);
     }
     std::vector<FmuVariable> rows;
     for (const std::string& key : chosen("--parameters", requested, keys, keys, usual_parameters)) {
