@@ -106,10 +106,10 @@ TEST(ArchitecturePage, ShowsTheGraphsThatStepsRun) {
 
 // One page contains speeds (docs/speeds.md), drawn from a committed table; other pages link to it.
 
-// The page of security states which nights were run to their end: those of the committed table.
+// The page of measured figures states which nights were run completely: those of the committed table.
 
-TEST(SecurityPage, HasTheNightsOfTheTable) {
-    const std::string text = page("docs/security.md").text;
+TEST(MeasuredPage, HasTheNightsOfTheTable) {
+    const std::string text = page("docs/laboratory/measured.md").text;
     std::istringstream table(text_of(CVTFLOW_SOURCE_DIR "/bench/results/nightly.csv"));
     for (std::string line; std::getline(table, line);) {
         const std::string cells = std::regex_replace(line, std::regex(","), " | ");
