@@ -1,4 +1,4 @@
-/// Controllers of the machine at work on a whole chain, among them the scene `manoeuvre`: claims of docs/manoeuvre.md.
+/// Controllers of the machine at work on a whole chain, among them the scene `manoeuvre`: claims of docs/time_tables.md.
 
 #include <gtest/gtest.h>
 
