@@ -31,9 +31,11 @@ def results_hash(folder):
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     os.environ["PATH"] = f"{program.parent}:{os.environ['PATH']}"
+    os.environ["PYTHONPATH"] = str(program.parent / "python")
     for file in ["first.toml", "by_dask.py"]:
         pathlib.Path(file).write_text(block(file), encoding="utf-8")
     subprocess.run([sys.executable, "by_dask.py"], check=True)
+    assert pathlib.Path("by_dask/workers/claims").exists(), "not by workers"
     subprocess.run(["cvtflow", "batch", "first.toml", "-o", "one", "-q"], check=True)
     print(f"results hash {results_hash('by_dask')}")
     assert results_hash("by_dask") == results_hash("one")

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
+import subprocess
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
-from ._cvtflow import RecordError, Scene, SceneError, SweepFile, Table
+from ._cvtflow import RecordError, Scene, SceneError, StateError, SweepFile, Table
 from ._scene import flat, resolve, toml
 from ._tables import Results
+
+
+_WITH_ROWS = (5, 6, 7, 8)  # exit statuses of a sweep whose table says what failed
 
 
 def _list(values):
@@ -129,22 +136,62 @@ class Sweep:
         scene = path.with_name(name + ".scene.toml")
         return {path: MARK + self._text(scene.name), scene: MARK + self.scene.text}
 
-    def run(self, folder: str | os.PathLike[str], threads: int = 0, progress: Any = True) -> Results:
+    def run(self, folder: str | os.PathLike[str], threads: int = 0, progress: Any = True, client: Any = None) -> Results:
         """Runs what is missing in the folder, on so many threads (0: all), and returns results(folder).
 
         progress  True: one line that replaces itself, where stderr is a terminal or in a notebook, else nothing; False or None: nothing;
                   a function: called as progress(SweepProgress) after each case, on a worker's thread
+        client    a distributed.Client: every worker of that Dask cluster becomes a worker of the sweep, by `cvtflow batch --worker`, on so
+                  many threads each. The folder is one that all of them see, and the program `cvtflow` is on their PATH. Progress is
+                  looked up once a second. Raises RuntimeError with what a worker printed that could not work.
         Ctrl-C ends it; running cases leave checkpoints, and the next call continues. Raises StateError if the folder holds another sweep,
         whose files stay as they are.
         """
         folder = Path(folder)
+        if client is not None:
+            return self._run_on(client, folder.absolute(), threads, progress)
         folder.mkdir(parents=True, exist_ok=True)
-        files = self._files(folder / "sweep.toml")
-        if (folder / "cases.h5").exists() and not all(file.is_file() and file.read_bytes() == text.encode() for file, text in files.items()):
+        if (folder / "cases.h5").exists() and not self._has_files(folder):
             with tempfile.TemporaryDirectory() as elsewhere:  # of another sweep: it is refused; else it continues
                 self.write(Path(elsewhere, "sweep.toml")).run(str(folder), threads, progress)
         else:
             self.write(folder / "sweep.toml").run(str(folder), threads, progress)
+        return self.results(folder)
+
+    def _has_files(self, folder):
+        """Whether a folder has the files of this sweep."""
+        return all(file.is_file() and file.read_bytes() == text.encode() for file, text in self._files(folder / "sweep.toml").items())
+
+    def _run_on(self, client, folder, threads, progress):
+        from distributed import Event
+
+        folder.mkdir(parents=True, exist_ok=True)
+        if any((folder / name).exists() for name in ("cases.h5", "workers")) and not self._has_files(folder):
+            raise StateError(f"{folder}: results of another sweep")
+        self.write(folder / "sweep.toml")
+        stop = Event(f"cvtflow-{folder}", client=client)
+        stop.clear()
+        now = before = _done(folder)
+        begin = time.monotonic()
+        tasks = [client.submit(_work, str(folder), threads, workers=[place], pure=False) for place in client.scheduler_info()["workers"]]
+        report = _reporter(progress)
+        try:
+            while True:
+                over = all(task.done() for task in tasks)
+                if report:
+                    now = _done(folder, now)
+                    report(SimpleNamespace(cases=now["cases"], before=before["done"], done=now["done"] - before["done"], failed=now["failed"],
+                                           wall=time.monotonic() - begin))
+                if isinstance(report, _Line):
+                    report.show("\n" if over else "")
+                if over:
+                    break
+                time.sleep(1.0)
+        except BaseException:
+            stop.set()
+            raise
+        for task in tasks:
+            task.result()
         return self.results(folder)
 
     @staticmethod
@@ -159,7 +206,6 @@ class Sweep:
         FileNotFoundError where `sbatch` or `cvtflow` is not on the PATH, subprocess.CalledProcessError where Slurm refuses the job."""
         import shlex
         import shutil
-        import subprocess
 
         folder, program = Path(folder).absolute(), shutil.which("cvtflow")
         if program is None:
@@ -246,6 +292,35 @@ def _is_path(scene):
     return isinstance(scene, os.PathLike) or "/" in scene or scene.endswith(".toml")
 
 
+def _work(folder, threads):
+    """A worker of a sweep, as a task of Dask."""
+    from distributed import Event
+
+    stop = Event(f"cvtflow-{folder}")
+    command = ["cvtflow", "batch", f"{folder}/sweep.toml", "-o", folder, "--worker", "-q", *(["--threads", str(threads)] if threads else [])]
+    with tempfile.TemporaryFile("w+") as said:
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=said)
+        while process.poll() is None:
+            if stop.wait(timeout="1s"):
+                process.terminate()
+        if process.returncode not in (0, *_WITH_ROWS, 130):
+            said.seek(0)
+            raise RuntimeError(f"{' '.join(command)}: exit status {process.returncode}: {said.read().strip()}")
+
+
+def _done(folder, last={"cases": 0, "done": 0, "failed": 0}):
+    """How far the sweep in a folder is; as `last` while its table is being replaced."""
+    told = subprocess.run(["cvtflow", "info", str(folder), "--json"], capture_output=True, text=True)
+    return json.loads(told.stdout) if told.returncode == 0 else last
+
+
+def _reporter(progress):
+    """What is called with the progress; None: nothing. Raises TypeError."""
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        raise TypeError(f"progress: True, False or a function of a SweepProgress, not {progress!r}")
+    return _Line() if progress is True else progress or None
+
+
 class _Line:
     """Progress of a sweep as one line that replaces itself: on stderr if that is a terminal, in a notebook's cell, elsewhere nothing."""
 
@@ -278,10 +353,8 @@ _run_uninterrupted = SweepFile.run
 def _run(self, folder, threads=0, progress=None):
     """Runs the cases that are missing in folder/cases.h5. False after cancel(). Ctrl-C ends it; running cases leave checkpoints. progress:
     as in Sweep.run()."""
-    if not (progress is None or isinstance(progress, bool) or callable(progress)):
-        raise TypeError(f"progress: True, False or a function of a SweepProgress, not {progress!r}")
-    line = _Line() if progress is True else None
-    report = line or progress or None
+    report = _reporter(progress)
+    line = report if isinstance(report, _Line) else None
     done, thrown = [], []
     over = threading.Event()  # not Thread.join: interrupted by a signal, Python 3.11 takes the thread for ended
 
