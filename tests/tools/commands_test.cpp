@@ -68,6 +68,7 @@ TEST_F(Commands, TakeAnInstructionSetBeforeOrAfterTheirName) {
 }
 
 TEST_F(Commands, ListEveryRowOfTheCatalogues) {
+    EXPECT_THAT(run({"list"}).out, AllOf(HasSubstr("\n  methods "), HasSubstr("\n  licenses ")));
     const std::string methods = run({"list", "methods", "--all"}).out, channels = run({"list", "channels"}).out,
                       keys = run({"list", "keys"}).out;
     for (const engine::StagePlan& plan : engine::methods()) EXPECT_THAT(methods, HasSubstr("\n" + plan.name + " "));

@@ -19,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 using OutputPlace = Program;
 
@@ -33,6 +34,21 @@ TEST_F(OutputPlace, ThatThisUserMustNotCreateIsNamedWithTheOptionForAnother) {
     ASSERT_EQ(seteuid(user), 0);
     fs::current_path(before);
     fs::permissions(folder_, fs::perms::owner_all);
+}
+
+TEST_F(OutputPlace, OfEarlierCommandsNeedsNoFolderInTheNextOne) {
+    ASSERT_EQ(run_briefly({}).status, 0);
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"info", "tiny.h5"}, {"plot", "tiny.h5", "slip"}, {"report", "tiny.h5"}}) {
+        const Outcome outcome = run(words);
+        EXPECT_EQ(outcome.status, 0) << words.front() << ": " << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr("tiny.h5: reading results/tiny.h5"));
+    }
+    fs::create_directory(folder_ / "results/slip");  // a channel is no folder
+    EXPECT_EQ(run({"plot", "tiny.h5", "slip", "-o", "slip.svg"}).status, 0);
+    write("tiny.h5", "");
+    EXPECT_THAT(run({"info", "tiny.h5"}).err, Not(HasSubstr("results/")));
+    EXPECT_THAT(run({"info", "absent.h5"}).err, HasSubstr("absent.h5: No such file or directory"));
 }
 
 /// Folders with pipes and links in them, and systems that let nothing be written.

@@ -123,6 +123,17 @@ std::string default_place(const std::string& name) {
     return "results/" + name;
 }
 
+CLI::Option* with_default_place(CLI::Option* option, bool files) {
+    return option->transform([files](const std::string& name) {
+        const std::filesystem::path there = std::filesystem::path("results") / name;
+        std::error_code absent;
+        const bool bare = std::filesystem::path(name).filename() == name && !std::filesystem::exists(name, absent);
+        if (!bare || !(files ? std::filesystem::is_regular_file(there, absent) : std::filesystem::exists(there, absent))) return name;
+        say(false, fmt::format("{}: reading {}", engine::visible(name), engine::visible(there.string())));
+        return there.string();
+    });
+}
+
 void require_checkpoint_place(const std::string& path, const std::string& record, const std::vector<std::filesystem::path>& inputs) {
     const engine::Permit permit(path, {.inputs = inputs, .force = true});  // an existing file is checked below
     const auto place = [](const std::string& name) { return std::filesystem::absolute(name).lexically_normal(); };

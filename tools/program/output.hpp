@@ -11,7 +11,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace cvtflow::tools {
 
@@ -42,6 +43,9 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 
 /// Path results/NAME of what no -o names; creates the folder. @throws engine::RecordError if this user must not
 [[nodiscard]] std::string default_place(const std::string& name);
+/// Lets an input of a command be NAME alone where only results/NAME exists, and says so. @param files  not of folders: a channel may have
+/// the name of one
+CLI::Option* with_default_place(CLI::Option* option, bool files = false);
 
 /// Checks the path of a checkpoint: it must differ from the record's, and an existing file must be a checkpoint, because it is removed at
 /// the end of the run. @throws engine::RecordError

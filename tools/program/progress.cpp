@@ -84,14 +84,14 @@ std::string line_text(const ProgressNumbers& now) {
 
 }  // namespace
 
-StatusLine::StatusLine(bool quiet, bool plain) : quiet_(quiet), redraws_(false) {
+StatusLine::StatusLine(bool quiet, bool plain, Clock::duration wait) : quiet_(quiet), redraws_(false), wait_(wait) {
     const char* terminal = std::getenv("TERM");
     redraws_ = !plain && isatty(STDERR_FILENO) == 1 && terminal != nullptr && std::string_view(terminal) != "dumb";
 }
 
 bool StatusLine::due() const {
     using namespace std::chrono_literals;
-    return !quiet_ && ((redraws_ && !drawn_) || Clock::now() - shown_ >= (redraws_ ? Clock::duration(100ms) : Clock::duration(10s)));
+    return !quiet_ && ((redraws_ && !drawn_) || Clock::now() - shown_ >= (redraws_ ? Clock::duration(100ms) : wait_));
 }
 
 void StatusLine::show(const std::string& line) {
@@ -112,15 +112,13 @@ void StatusLine::clear() {
 
 void ProgressDisplay::show(const tasks::Progress& p) {
     const char* phase = p.settling() ? settling : running;
-    if (std::exchange(phase_, phase) != phase) phase_wall_ = p.wall, tenths_ = 0;
+    if (std::exchange(phase_, phase) != phase) phase_wall_ = p.wall;
+    if (!line_.due()) return;
     const double span = p.until - p.begin, done = p.time - p.begin;
     const double share = span > 0.0 ? std::clamp(done / span, 0.0, 1.0) : 1.0;
-    const int tenths = static_cast<int>(10.0 * share + 1e-6);
-    if (!line_.due() && (line_.quiet() || line_.redraws() || tenths <= tenths_)) return;
     const double slowness = done > 0.0 ? (p.wall - phase_wall_) / done : 0.0, to_come = p.until - p.time + (p.settling() ? until_ : 0.0);
     const ProgressNumbers now{phase, p.time, p.until, share, slowness, slowness * to_come};
     line_.show(line_.redraws() ? bar_text(now, terminal_columns()) : line_text(now));
-    tenths_ = tenths;
 }
 
 tasks::RunOptions ProgressDisplay::options() {

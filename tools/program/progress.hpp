@@ -11,8 +11,11 @@ namespace cvtflow::tools {
 /// A line on stderr: redrawn at most 10 times a second on a terminal that can redraw a line, printed at most every 10 s elsewhere.
 class StatusLine {
 public:
-    /// @param plain  also on a terminal as elsewhere
-    explicit StatusLine(bool quiet, bool plain = false);
+    using Clock = std::chrono::steady_clock;
+    static constexpr Clock::duration usual_wait = std::chrono::seconds(10);
+
+    /// @param plain  also on a terminal as elsewhere   @param wait  between lines that stay
+    explicit StatusLine(bool quiet, bool plain = false, Clock::duration wait = usual_wait);
     ~StatusLine() { clear(); }
     StatusLine(const StatusLine&) = delete;
     StatusLine& operator=(const StatusLine&) = delete;
@@ -30,17 +33,19 @@ public:
     void clear();
 
 private:
-    using Clock = std::chrono::steady_clock;
-
     bool quiet_, redraws_, drawn_ = false;
+    Clock::duration wait_;
     Clock::time_point shown_{};
 };
 
-/// Progress of a run: elsewhere than on a terminal also a line per 10 % of a phase.
+/// Progress of a run.
 class ProgressDisplay {
 public:
-    /// @param until end of the run that follows settling, for the time left [s]
-    ProgressDisplay(bool quiet, double until) : line_(quiet), until_(until) { line_.wait(); }
+    /// @param until end of the run that follows settling, for the time left [s]   @param wait  as of StatusLine
+    ProgressDisplay(bool quiet, double until, StatusLine::Clock::duration wait = StatusLine::usual_wait)
+        : line_(quiet, false, wait), until_(until) {
+        line_.wait();
+    }
 
     void show(const tasks::Progress& progress);
     /// Options of a run that shows its progress here and that Ctrl-C ends.
@@ -51,7 +56,6 @@ private:
     double until_;
     const char* phase_ = nullptr;
     double phase_wall_ = 0.0;  ///< wall time when the phase began [s]
-    int tenths_ = 0;           ///< completed tenths of the phase, as last printed
 };
 
 }  // namespace cvtflow::tools

@@ -106,7 +106,7 @@ ExitStatus export_record(const ExportArguments& arguments) {
 
 Action declare_export(CLI::App& app) {
     const auto arguments = std::make_shared<ExportArguments>();
-    app.add_option("RECORD", arguments->record, "Record of a run; ParaView shows its states (run.state_interval)")
+    with_default_place(app.add_option("RECORD", arguments->record, "Record of a run; ParaView shows its states (run.state_interval)"))
         ->required()
         ->type_name("");
     app.add_option("CHANNEL", arguments->channels, "With --csv: channels, groups or elements (default: all channels of one number)")

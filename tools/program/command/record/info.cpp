@@ -14,6 +14,7 @@
 #include "tasks/batch/batch.hpp"
 #include "tools/program/command/sweep/batch.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/program.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
@@ -187,7 +188,8 @@ std::string info_text(const std::string& path) {
 
 Action declare_info(CLI::App& app) {
     const auto path = std::make_shared<std::string>();
-    app.add_option("FILE", *path, "Record (also FILE.part of a running or killed run), state file, or a sweep's folder or cases.h5")
+    with_default_place(
+        app.add_option("FILE", *path, "Record (also FILE.part of a running or killed run), state file, or a sweep's folder or cases.h5"))
         ->required()
         ->type_name("");
     const auto json = std::make_shared<bool>(false);

@@ -119,7 +119,9 @@ ExitStatus plot(const PlotArguments& arguments) {
 
 Action declare_plot(CLI::App& app) {
     const auto arguments = std::make_shared<PlotArguments>();
-    app.add_option("FILE", arguments->words, "Records or sweeps, then channels or groups of channels (default: channels without a group)")
+    with_default_place(app.add_option("FILE", arguments->words,
+                                      "Records or sweeps, then channels or groups of channels (default: channels without a group)"),
+                       true)
         ->required()
         ->type_name("... [CHANNEL ...]");
     app.add_option("-o,--output", arguments->output,

@@ -100,7 +100,8 @@ ExitStatus report(const ReportArguments& arguments) {
 
 Action declare_report(CLI::App& app) {
     const auto arguments = std::make_shared<ReportArguments>();
-    app.add_option("FILE", arguments->files, "Records, or sweeps (folder, cases.h5, or CSV); several are shown beside each other")
+    with_default_place(
+        app.add_option("FILE", arguments->files, "Records, or sweeps (folder, cases.h5, or CSV); several are shown beside each other"))
         ->required()
         ->type_name("...");
     app.add_option("-o,--output", arguments->output, "Page to write (default: beside the input, .html)")->type_name("FILE");

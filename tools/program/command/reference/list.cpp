@@ -205,8 +205,14 @@ const Listing& listing_of(const std::string& name) {
                                   : fmt::format("no list '{}', did you mean '{}'?", name, near));
 }
 
+std::string lists() {
+    std::string text = "Lists:";
+    for (const Listing& listing : listings) text += fmt::format("\n  {:<12}{}", listing.name, listing.description);
+    return text;
+}
+
 ExitStatus list(const std::vector<std::string>& names, bool all) {
-    std::string text;
+    std::string text = names.empty() ? lists() + "\n" : "";
     for (const std::string& name : names) {
         const Listing& listing = listing_of(name);
         text += (text.empty() ? "" : "\n") + (all && listing.all != nullptr ? listing.all() : listing.text());
@@ -219,12 +225,10 @@ ExitStatus list(const std::vector<std::string>& names, bool all) {
 
 Action declare_list(CLI::App& app) {
     const auto names = std::make_shared<std::vector<std::string>>();
-    app.add_option("WHAT", *names, "One or more of the names below")->required()->type_name("");
+    app.add_option("WHAT", *names, "One or more of the names below (default: this list of them)")->type_name("");
     const auto all = std::make_shared<bool>(false);
     app.add_flag("--all", *all, "List every method, not only the recommended ones");
-    std::string footer = "Lists:";
-    for (const Listing& listing : listings) footer += fmt::format("\n  {:<12}{}", listing.name, listing.description);
-    app.footer(footer);
+    app.footer(lists());
     return [names, all] { return list(*names, *all); };
 }
 

@@ -129,7 +129,7 @@ ExitStatus resume_run(const ResumeArguments& arguments) {
 
 Action declare_resume(CLI::App& app) {
     const auto arguments = std::make_shared<ResumeArguments>();
-    app.add_option("FILE", arguments->what, "Checkpoint of a run, or folder of a sweep")->required()->type_name("");
+    with_default_place(app.add_option("FILE", arguments->what, "Checkpoint of a run, or folder of a sweep"))->required()->type_name("");
     app.add_option("SCENE", arguments->scene, "Scene that the checkpoint must belong to (default: the one it contains)")->type_name("");
     app.add_option("--until", arguments->until, "New end of the run (default: unchanged)")->type_name("TIME");
     declare_repeated(app, "--set", arguments->settings, "Change a key that does not affect results: run.threads, run.max_wall, …",

@@ -11,6 +11,7 @@
 #include "tasks/batch/results/results.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/program.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/view/sweep_view.hpp"
@@ -161,8 +162,8 @@ ExitStatus diff(const DiffArguments& arguments) {
 
 Action declare_diff(CLI::App& app) {
     const auto arguments = std::make_shared<DiffArguments>();
-    app.add_option("A", arguments->a, "Folder of a sweep, its cases.h5, or a CSV of it")->required()->type_name("");
-    app.add_option("B", arguments->b, "The same of another sweep")->required()->type_name("");
+    with_default_place(app.add_option("A", arguments->a, "Folder of a sweep, its cases.h5, or a CSV of it"))->required()->type_name("");
+    with_default_place(app.add_option("B", arguments->b, "The same of another sweep"))->required()->type_name("");
     app.add_option("--tolerance", arguments->tolerance, "Relative difference up to which numbers count as equal, e.g. 1e-3")
         ->check(CLI::Range(0.0, 1.0))
         ->type_name("NUMBER")

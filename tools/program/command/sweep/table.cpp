@@ -17,6 +17,7 @@
 #include "tools/program/command/sweep/batch.hpp"
 #include "tools/program/drawing.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/program.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/view/described.hpp"
@@ -199,8 +200,8 @@ void declare_rainflow(CLI::App& app, TableArguments& arguments) {
 
 Action declare_table(CLI::App& app) {
     const auto arguments = std::make_shared<TableArguments>();
-    app.add_option("DIR", arguments->folder,
-                   "Folder of a sweep, also of a running one, or its cases.h5. With --rainflow: the record of a run")
+    with_default_place(app.add_option("DIR", arguments->folder,
+                                      "Folder of a sweep, also of a running one, or its cases.h5. With --rainflow: the record of a run"))
         ->required()
         ->type_name("");
     app.add_flag("--csv", arguments->csv, "Print all columns as CSV, in SI units, numbers with all digits");
