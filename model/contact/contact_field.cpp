@@ -1,5 +1,7 @@
 #include "model/contact/contact_field.hpp"
 
+#include <algorithm>
+
 namespace cvtflow::model {
 
 ContactField::ContactField(const ChainModel& chain)
@@ -14,6 +16,14 @@ void ContactField::make_columns(int count) {
         for (int column = 0; column < columns.stride(); ++column)
             *columns.at(components.tip(corner) + ContactComponents::Tip::least, column) = 1.0F;
     }
+}
+
+void ContactField::stop() noexcept {
+    using Tip = ContactComponents::Tip;
+    const auto clear = [this](int first, int last) { std::fill(columns.at(first, 0), columns.at(last, 0), 0.0F); };
+    for (int corner = 0; corner < tips_per_link; ++corner)
+        clear(components.tip(corner) + Tip::sheave, components.tip(corner) + Tip::friction_limit);
+    clear(components.sliding(0), components.count());
 }
 
 }  // namespace cvtflow::model

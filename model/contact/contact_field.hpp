@@ -47,6 +47,8 @@ struct ContactField {
     explicit ContactField(const ChainModel& chain);
     /// As many columns, of contacts that have never touched.
     void make_columns(int count);
+    /// Sets to zero how contacts slide at the velocities that others count from, and the sheaves' motion.
+    void stop() noexcept;
 
     [[nodiscard]] std::size_t bytes() const noexcept { return columns.bytes() + arms.bytes(); }
 

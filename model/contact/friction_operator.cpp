@@ -66,4 +66,12 @@ FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase, const
       by_phase_(by_phase),
       kernels_(kernels) {}
 
+FrictionOperator FrictionOperator::all_sticking() const {
+    FrictionOperator sticking = *this;
+    for (FrictionCurve* curve : {&sticking.numbers_.joint, &sticking.numbers_.plate, &sticking.numbers_.tip}) *curve = curve->linear();
+    sticking.numbers_.tip_law = nullptr;
+    sticking.by_phase_ = false;
+    return sticking;
+}
+
 }  // namespace cvtflow::model

@@ -43,8 +43,7 @@ using LinkAdvance = void(const double* from, const double* along, double by, dou
 /// Functions of friction, and of a step's middle and end, of one instruction set.
 struct FrictionKernels {
     void (*record)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const ContactRecord&, LinkLoad*, TipSearch*) noexcept;
-    using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;
-    Evaluate slopes, all_sticking;
+    void (*slopes)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;
     void (*sweep)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionSweep&) noexcept;
     /// Powers of the kept forces at the range's velocities. powers [links of the range]
     void (*powers)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FloatColumns& kept,
@@ -86,10 +85,8 @@ public:
     void slopes(const ContactField& field, const FrictionRange& range, const FrictionStage& stage) const noexcept {
         kernels_.slopes(*this, field, range, stage);
     }
-    /// slopes() for friction linearised where every contact sticks, about rest, and without base: the steepest the law can be.
-    void all_sticking(const ContactField& field, const FrictionRange& range, FloatColumns& slope) const noexcept {
-        kernels_.all_sticking(*this, field, range, {nullptr, &slope});
-    }
+    /// Friction linearised where every contact sticks: the steepest the law can be.
+    [[nodiscard]] FrictionOperator all_sticking() const;
     [[nodiscard]] const FrictionKernels& kernels() const noexcept { return kernels_; }
 
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }

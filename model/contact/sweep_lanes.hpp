@@ -1,197 +1,182 @@
 #pragma once
 /// One pass of an implicit sweep (model/contact/sweep_step.hpp), and what the forces dissipate that sweeps have found, lanes over links.
-/// Every lane does the same operations in the same order whatever its neighbours are, so results do not depend on how links are grouped.
 
-#include "model/contact/friction_lanes.hpp"
+#include "model/contact/contact_lanes.hpp"
 #include "model/contact/sweep_step.hpp"
+#include "model/law/friction_laws.hpp"
 
 namespace cvtflow::model {
 namespace {
 
-/// W links side by side; column numbers count from the first link of the range.
+/// Forces of W links that are kept from step to step. @tparam Number float, or const float
+template <int W, class Number>
+struct KeptForces {
+    using V = Lanes<W>;
+
+    const LinkLanes<W> links;
+    const LaneRows<W, Number> now;  ///< [SweepRows::count()] rows
+    const SweepRows rows{links.field.components.joint_points};
+
+    /// Force of a tip on its link; shares turn with the link.
+    [[nodiscard]] AtTip<V> tip(int corner) const noexcept {
+        const V friction_limit = links.contact[links.field.components.tip(corner) + ContactComponents::Tip::friction_limit];
+        const V tx = links.contact[ContactComponents::frame_x], ty = links.contact[ContactComponents::frame_y];
+        const int row = rows.tip(corner);
+        const V along = now[row], across = now[row + 1];
+        return {friction_limit * (along * tx - across * ty), friction_limit * (along * ty + across * tx), friction_limit * now[row + 2]};
+    }
+};
+
+/// Sliding of point g across the axis, at rates that other points have changed.
 template <int W>
-class SweepForces : protected FrictionLanes<W, false> {
-    using Base = FrictionLanes<W, false>;
+[[nodiscard]] inline Lanes<W> slip_across(const JointContacts<W>& joints, int g, const typename JointContacts<W>::Rates& rates) noexcept {
+    Lanes<W> x = rates.x[0], y = rates.y[0];
+    for (int m = 1; m < axis_terms; ++m) {
+        x += joints.basis(m, g) * rates.x[m];
+        y += joints.basis(m, g) * rates.y[m];
+    }
+    return joints.slip(g, x, y, rates);
+}
 
+/// Powers of kept forces at the velocities of the range.
+template <int W>
+class SweepPowers {
 public:
-    using typename Base::V;
+    using V = Lanes<W>;
 
-    /// @param kept_forces [SweepRows::count()] rows
-    SweepForces(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
-                const FloatColumns& kept_forces) noexcept
-        : Base(friction, field, range), rows_{field.components.joint_points}, kept_forces_(kept_forces) {}
+    SweepPowers(const FrictionOperator& friction, const LinkLanes<W>& links, const FloatColumns& kept) noexcept
+        : links_(links), joints_{links, friction.numbers()}, tips_{links}, kept_{links, links.rows_of(kept)} {}
 
-    /// Powers of links first + group … + W - 1, at the velocities of the range. powers [links of the range]
-    void powers(int group, FrictionPowers* powers) const noexcept {
-        const int lanes = Base::links_at(group);
+    /// @param powers [links of the range]
+    void run(FrictionPowers* powers) const noexcept {
         float of_kind[3][static_cast<std::size_t>(lane_count<W>)];
-        joint_power(group).copy_to(of_kind[0]);
-        plate_power(group).copy_to(of_kind[1]);
-        tip_power(group).copy_to(of_kind[2]);  // a tip may have lifted at the step's end
-        for (int lane = 0; lane < lanes; ++lane) powers[group + lane] = {of_kind[0][lane], of_kind[1][lane], of_kind[2][lane]};
+        joint_power().copy_to(of_kind[0]);
+        plate_power().copy_to(of_kind[1]);
+        tip_power().copy_to(of_kind[2]);  // a tip may have lifted at the step's end
+        const int lanes = links_.count();
+        for (int lane = 0; lane < lanes; ++lane) powers[links_.group + lane] = {of_kind[0][lane], of_kind[1][lane], of_kind[2][lane]};
     }
-
-protected:
-    using Base::basis, Base::contact, Base::column, Base::numbers_, Base::field_, Base::in_scratch, Base::to_scratch, Base::velocity,
-        Base::slip, Base::n;
-    using typename Base::Joint, typename Base::Tip, typename Base::JointRates;
-
-    [[nodiscard]] V kept_row(int row, int group) const noexcept { return load<W>(kept_forces_.at(row, column(group))); }
-
-    /// Sliding of point g across the axis, at rates that other points have changed.
-    [[nodiscard]] V slip_across(int group, int g, const JointRates& rates) const noexcept {
-        V x = rates.x[0], y = rates.y[0];
-        for (int m = 1; m < n; ++m) {
-            x += basis(m, g) * rates.x[m];
-            y += basis(m, g) * rates.y[m];
-        }
-        return Base::slip_of(group, g, x, y, rates);
-    }
-
-    /// Force of a kept share; shares turn with the link.
-    [[nodiscard]] AtTip<V> tip_force(int group, int corner) const noexcept {
-        const int row = rows_.tip(corner);
-        const V friction_limit = contact(field_.components.tip(corner) + Tip::friction_limit, group);
-        const V tx = contact(ContactComponents::frame_x, group), ty = contact(ContactComponents::frame_y, group);
-        const V along = kept_row(row, group), across = kept_row(row + 1, group);
-        return {friction_limit * (along * tx - across * ty), friction_limit * (along * ty + across * tx),
-                friction_limit * kept_row(row + 2, group)};
-    }
-
-    const SweepRows rows_;
 
 private:
-    [[nodiscard]] V joint_power(int group) const noexcept {
-        const JointRates rates = Base::joint_rates(group);
+    [[nodiscard]] V joint_power() const noexcept {
+        const auto rates = joints_.rates();
         V sum(0.0);
-        for (int g = 0; g < rows_.joint_points; ++g) {
-            const V along = rates.z + numbers_.joint_position[static_cast<std::size_t>(g)] * rates.e;
-            sum += contact(field_.components.joint(g) + Joint::friction_limit, group) *
-                   (kept_row(rows_.joint(g), group) * slip_across(group, g, rates) + kept_row(rows_.joint(g) + 1, group) * along);
+        for (int g = 0; g < joints_.points(); ++g) {
+            const V along = rates.z + joints_.position(g) * rates.e;
+            const int row = kept_.rows.joint(g);
+            sum += joints_.contact(g, ContactComponents::Joint::friction_limit) *
+                   (kept_.now[row] * slip_across(joints_, g, rates) + kept_.now[row + 1] * along);
         }
         return -sum;
     }
 
-    [[nodiscard]] V plate_power(int group) const noexcept {
-        const auto [z, e] = Base::plate_rates(group);
-        return -(kept_row(rows_.plates(), group) * z + kept_row(rows_.plates() + 1, group) * e);
+    [[nodiscard]] V plate_power() const noexcept {
+        const auto [z, e] = links_.plate_rates();
+        return -(kept_.now[kept_.rows.plates()] * z + kept_.now[kept_.rows.plates() + 1] * e);
     }
 
-    [[nodiscard]] V tip_power(int group) const noexcept {
-        const V turn = Base::turning(group);
+    [[nodiscard]] V tip_power() const noexcept {
+        const V turn = links_.turning();
         V sum(0.0);
         for (const End end : {End::rear, End::front}) {
             const int low = 2 * static_cast<int>(end);
-            const AtTips<V> v = Base::tip_velocities(group, {link_layout.x(end, 0), link_layout.y(end, 0), link_layout.z(end)});
+            const AtTips<V> v = tips_.velocities(end);
             for (const auto& [moving, corner] : {std::pair{&v.low, low}, std::pair{&v.high, low + 1}}) {
-                const AtTip<V> sliding = Base::slip(group, corner, *moving, turn), force = tip_force(group, corner);
+                const AtTip<V> sliding = tips_.slip(corner, *moving, turn), force = kept_.tip(corner);
                 sum += force.x * sliding.x + force.y * sliding.y + force.z * sliding.z;
             }
         }
         return -sum;
     }
 
-    const FloatColumns& kept_forces_;
+    const LinkLanes<W> links_;
+    const JointContacts<W> joints_;
+    const TipContacts<W> tips_;
+    const KeptForces<W, const float> kept_;
 };
 
 inline void sweep_powers(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const FloatColumns& kept,
                          FrictionPowers* powers) noexcept {
-    over_groups(0, range.last - range.first, [&]<int W>(int group) { SweepForces<W>(friction, field, range, kept).powers(group, powers); });
+    over_groups(0, range.last - range.first, [&]<int W>(int group) { SweepPowers<W>(friction, {field, range, group}, kept).run(powers); });
 }
 
-/// W links side by side; column numbers count from the first link of the range.
+/// A pass over the joints of the rear pins of W links.
 template <int W>
-class SweepLanes : private SweepForces<W> {
-    using Base = SweepForces<W>;
-    using Base::add_couple, Base::basis, Base::column, Base::contact, Base::to_scratch, Base::in_scratch, Base::numbers_, Base::slip,
-        Base::field_, Base::velocity, Base::kept_row, Base::tip_force, Base::slip_across, Base::rows_, Base::n, Base::joint_rows;
-    using typename Base::JointRates, typename Base::Joint, typename Base::Tip;
-
+class JointSweep {
 public:
-    using typename Base::V;
+    using V = Lanes<W>;
+    using Joints = JointContacts<W>;
 
-    SweepLanes(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const FrictionSweep& sweep) noexcept
-        : Base(friction, field, range, *sweep.kept), sweep_(sweep), responses_(*sweep.responses) {}
+    JointSweep(const FrictionOperator& friction, const LinkLanes<W>& links, const FrictionSweep& sweep) noexcept
+        : joints_{links, friction.numbers()},
+          friction_{links, links.rows_of(*sweep.kept)},
+          before_(links.rows_of(*sweep.before)),
+          sweep_(sweep),
+          responses_(*sweep.responses) {}
 
-    /// Joint of the rear pins of links first + group … + W - 1, its force to scratch.
-    void joints(int group) const noexcept {
-        V force[joint_rows];
+    /// Finds their forces, for the links on both sides.
+    void run() const noexcept {
+        V force[Joints::rows];
         for (V& row : force) row = V(0.0);
+        const int points = joints_.points();
         if (sweep_.part == SweepPart::opening) {
-            for (int g = 0; g < rows_.joint_points; ++g) open_point(group, g, force);
+            for (int g = 0; g < points; ++g) open_point(g, force);
         } else {
-            JointRates rates = Base::joint_rates(group);
-            for (int k = 0; k < rows_.joint_points; ++k)  // from both ends to the middle
-                solve_point(group, k % 2 == 0 ? k / 2 : rows_.joint_points - 1 - k / 2, rates, force);
+            Rates rates = joints_.rates();
+            for (int k = 0; k < points; ++k)  // from both ends to the middle
+                solve_point(k % 2 == 0 ? k / 2 : points - 1 - k / 2, rates, force);
         }
-        for (int row = 0; row < joint_rows; ++row) to_scratch(row, group, force[row]);
-    }
-
-    /// Velocities of links first + group … + W - 1; their joints must be in scratch.
-    void links(int group) const noexcept {
-        const bool opening = sweep_.part == SweepPart::opening, closing = sweep_.part == SweepPart::closing;
-        const bool touch = !closing && Base::touching(group);
-        V f[link_layout.link_size()];
-        Base::add_joints(group, f);
-        V moment = in_scratch(2 * n + 3, group) + in_scratch(2 * n + 2, group + 1);
-        if (opening) open_link(group, touch, f, moment);
-        add_couple(group, moment, f);
-        accelerate(group, f, closing ? *sweep_.result : *sweep_.velocity);
-        if (closing) return keep_opening(group);
-        solve_plates(group);
-        if (touch) solve_tips(group);
+        JointForces<W>(joints_.links.range).put(joints_.links.group, force);
     }
 
 private:
-    [[nodiscard]] V before(int row, int group) const noexcept { return load<W>(sweep_.before->at(row, column(group))); }
-    void put(int row, int group, const V& lanes) const noexcept { lanes.copy_to(sweep_.kept->at(row, column(group))); }
-    void add_velocity(int row, int group, const V& change) const noexcept {
-        (velocity(row, group) + change).copy_to(sweep_.velocity->at(row, column(group)));
-    }
+    using Joint = ContactComponents::Joint;
+    using Rates = typename Joints::Rates;
+    static constexpr int n = axis_terms;
 
     /// Adds a force across the axis and along it at point g.
-    void add_point(int group, int g, const V& across, const V& along, V* force) const noexcept {
-        const int row = field_.components.joint(g);
-        const V x = -(contact(row + Joint::normal_y, group) * across), y = contact(row + Joint::normal_x, group) * across;
+    void add_point(int g, const V& across, const V& along, V* force) const noexcept {
+        const V x = -(joints_.contact(g, Joint::normal_y) * across), y = joints_.contact(g, Joint::normal_x) * across;
         force[0] += x;
         force[n] += y;
         for (int m = 1; m < n; ++m) {
-            force[m] += basis(m, g) * x;
-            force[n + m] += basis(m, g) * y;
+            force[m] += joints_.basis(m, g) * x;
+            force[n + m] += joints_.basis(m, g) * y;
         }
-        force[2 * n] += along;
-        force[2 * n + 1] += numbers_.joint_position[static_cast<std::size_t>(g)] * along;
-        force[2 * n + 2] += across * contact(row + Joint::lever_before, group);
-        force[2 * n + 3] += across * contact(row + Joint::lever_after, group);
+        force[Joints::z] += along;
+        force[Joints::e] += joints_.position(g) * along;
+        force[Joints::moment_before] += across * joints_.contact(g, Joint::lever_before);
+        force[Joints::moment_after] += across * joints_.contact(g, Joint::lever_after);
     }
 
-    void open_point(int group, int g, V* force) const noexcept {
-        const V friction_limit = contact(field_.components.joint(g) + Joint::friction_limit, group);
-        const V across = before(rows_.opening(rows_.joint(g)), group), along = before(rows_.opening(rows_.joint(g) + 1), group);
-        put(rows_.joint(g), group, across);
-        put(rows_.joint(g) + 1, group, along);
-        put(rows_.joint_speed(g), group, before(rows_.joint_speed(g), group));
-        add_point(group, g, friction_limit * across, friction_limit * along, force);
+    void open_point(int g, V* force) const noexcept {
+        const SweepRows& rows = friction_.rows;
+        const V friction_limit = joints_.contact(g, Joint::friction_limit);
+        const V across = before_[rows.opening(rows.joint(g))], along = before_[rows.opening(rows.joint(g) + 1)];
+        friction_.now.put(rows.joint(g), across);
+        friction_.now.put(rows.joint(g) + 1, along);
+        friction_.now.put(rows.joint_speed(g), before_[rows.joint_speed(g)]);
+        add_point(g, friction_limit * across, friction_limit * along, force);
     }
 
-    /// Force at point g for the sliding that all others leave it (…_without, its own friction taken away; own_… is the sliding that its
-    /// full friction takes away); adds its change to `force` and the response to it to the rates.
-    void solve_point(int group, int g, JointRates& rates, V* force) const noexcept {
+    /// Force at point g for the sliding that all others leave it (…_without: without this point's friction; full_…: the sliding that its
+    /// full friction removes); adds its change to `force` and the response to it to the rates.
+    void solve_point(int g, Rates& rates, V* force) const noexcept {
         const auto at_g = static_cast<std::size_t>(g);
-        const int row = rows_.joint(g), contacts = field_.components.joint(g);
-        const V friction_limit = contact(contacts + Joint::friction_limit, group);
-        const V across = kept_row(row, group), along = kept_row(row + 1, group);
-        const V own_across = responses_.joint_across[at_g] * friction_limit, own_along = responses_.joint_along[at_g] * friction_limit;
-        const V across_without = slip_across(group, g, rates) - own_across * across;
-        const V along_without = rates.z + numbers_.joint_position[at_g] * rates.e - own_along * along;
-        const V speed = sliding_speed(group, g, {across_without, along_without}, {own_across, own_along});
-        const Reciprocals<W> inverse(speed + own_across, speed + own_along);
+        const int row = friction_.rows.joint(g);
+        const V friction_limit = joints_.contact(g, Joint::friction_limit);
+        const V across = friction_.now[row], along = friction_.now[row + 1];
+        const V full_across = responses_.joint_across[at_g] * friction_limit, full_along = responses_.joint_along[at_g] * friction_limit;
+        const V across_without = slip_across(joints_, g, rates) - full_across * across;
+        const V along_without = rates.z + joints_.position(g) * rates.e - full_along * along;
+        const V speed = sliding_speed(g, {across_without, along_without}, {full_across, full_along});
+        const Reciprocals<W> inverse(speed + full_across, speed + full_along);
         const V new_across = -(across_without * inverse.first), new_along = -(along_without * inverse.second);
-        put(row, group, new_across);
-        put(row + 1, group, new_along);
+        friction_.now.put(row, new_across);
+        friction_.now.put(row + 1, new_along);
         const V change = friction_limit * (new_across - across), push = friction_limit * (new_along - along);
-        add_point(group, g, change, push, force);
-        const V x = -(contact(contacts + Joint::normal_y, group) * change), y = contact(contacts + Joint::normal_x, group) * change;
+        add_point(g, change, push, force);
+        const V x = -(joints_.contact(g, Joint::normal_y) * change), y = joints_.contact(g, Joint::normal_x) * change;
         for (int m = 0; m < n; ++m) {
             rates.x[m] += responses_.joint_lateral[at_g][static_cast<std::size_t>(m)] * x;
             rates.y[m] += responses_.joint_lateral[at_g][static_cast<std::size_t>(m)] * y;
@@ -200,43 +185,81 @@ private:
         rates.e += responses_.joint_tilt[at_g] * push;
     }
 
-    /// The speed D ≥ v0 that a point slides with, or v0: Σ (without/(D + own_slip))² = 1, one step of Newton's method from the last one on.
-    [[nodiscard]] V sliding_speed(int group, int g, const V (&without)[2], const V (&own_slip)[2]) const noexcept {
-        const V slowest(numbers_.joint.saturation_speed);
-        const V from = larger<W>(kept_row(rows_.joint_speed(g), group), slowest);
-        const Reciprocals<W> inverse(from + own_slip[0], from + own_slip[1]);
+    /// The speed D ≥ v0 that a point slides with, or v0: Σ (without/(D + full))² = 1, one step of Newton's method from the last one on.
+    [[nodiscard]] V sliding_speed(int g, const V (&without)[2], const V (&full)[2]) const noexcept {
+        const int row = friction_.rows.joint_speed(g);
+        const V slowest(joints_.numbers.joint.saturation_speed);
+        const V from = larger<W>(friction_.now[row], slowest);
+        const Reciprocals<W> inverse(from + full[0], from + full[1]);
         const V across = without[0] * inverse.first, along = without[1] * inverse.second;
         const V a = across * across, b = along * along, sum = a + b;
         const V slope = a * inverse.first + b * inverse.second + V(1e-20);
         const V speed = larger<W>(from + sum * (sqrt(sum) - V(1.0)) / slope, slowest);
-        put(rows_.joint_speed(g), group, speed);
+        friction_.now.put(row, speed);
         return speed;
     }
 
+    const Joints joints_;
+    const KeptForces<W, float> friction_;
+    const LaneRows<W, const float> before_;
+    const FrictionSweep& sweep_;
+    const SweepResponses& responses_;
+};
+
+/// A pass over W links, with their plates and tips; their joints must be in scratch.
+template <int W>
+class LinkSweep {
+public:
+    using V = Lanes<W>;
+
+    LinkSweep(const FrictionOperator& friction, const LinkLanes<W>& links, const FrictionSweep& sweep) noexcept
+        : operator_(friction),
+          numbers_(friction.numbers()),
+          links_(links),
+          tips_{links},
+          friction_{links, links.rows_of(*sweep.kept)},
+          before_(links.rows_of(*sweep.before)),
+          velocity_(links.rows_of(*sweep.velocity)),
+          rows_(friction_.rows),
+          sweep_(sweep),
+          responses_(*sweep.responses) {}
+
+    /// Velocities of the links.
+    void run() const noexcept {
+        const bool opening = sweep_.part == SweepPart::opening, closing = sweep_.part == SweepPart::closing;
+        const bool touch = !closing && links_.touch();
+        const JointForces<W> joints(links_.range);
+        V f[link_layout.link_size()];
+        joints.act(links_.group, f);
+        V moment = joints.moment(links_.group);
+        if (opening) open_link(touch, f, moment);
+        links_.add_couple(moment, f);
+        accelerate(f, closing ? links_.rows_of(*sweep_.result) : velocity_);
+        if (closing) return keep_opening();
+        solve_plates();
+        if (touch) solve_tips();
+    }
+
+private:
+    using Tip = ContactComponents::Tip;
+    static constexpr int n = axis_terms;
+
+    void add_velocity(int row, const V& change) const noexcept { velocity_.put(row, links_.velocity[row] + change); }
+
     /// Forces of plates and tips of the step before.
-    void open_link(int group, bool touch, V* f, V& moment) const noexcept {
+    void open_link(bool touch, V* f, V& moment) const noexcept {
         for (int k = 0; k < 2; ++k) {
-            const V force = before(rows_.opening(rows_.plates() + k), group);
-            put(rows_.plates() + k, group, force);
-            put(rows_.plate_rate() + k, group, before(rows_.plate_rate() + k, group));
+            const V force = before_[rows_.opening(rows_.plates() + k)];
+            friction_.now.put(rows_.plates() + k, force);
+            friction_.now.put(rows_.plate_rate() + k, before_[rows_.plate_rate() + k]);
             f[link_layout.z(End::front) + k] += force;
             f[link_layout.z(End::rear) + k] = f[link_layout.z(End::rear) + k] - force;
         }
-        for (int row = rows_.tip(0); row < rows_.forces(); ++row) put(row, group, touch ? before(rows_.opening(row), group) : V(0.0));
+        for (int row = rows_.tip(0); row < rows_.forces(); ++row) friction_.now.put(row, touch ? before_[rows_.opening(row)] : V(0.0));
         if (!touch) return;
         for (const End end : {End::rear, End::front}) {
             const int low = 2 * static_cast<int>(end);
-            const AtTips<V> forces{tip_force(group, low), tip_force(group, low + 1)};
-            add_tips(group, end, forces, f, moment);
-        }
-    }
-
-    void add_tips(int group, End end, const AtTips<V>& forces, V* f, V& moment) const noexcept {
-        const int low = 2 * static_cast<int>(end);
-        FrictionTips<W, false>::spread(forces, {link_layout.x(end, 0), link_layout.y(end, 0), link_layout.z(end)}, f);
-        for (const auto& [force, corner] : {std::pair{&forces.low, low}, std::pair{&forces.high, low + 1}}) {
-            const int row = field_.components.tip(corner);
-            moment += contact(row + Tip::lever_x, group) * force->y - contact(row + Tip::lever_y, group) * force->x;
+            tips_.act(end, {friction_.tip(low), friction_.tip(low + 1)}, f, moment);
         }
     }
 
@@ -247,47 +270,48 @@ private:
     }
 
     /// Velocities after forces have acted over the step. @param to velocities so far, or the result
-    void accelerate(int group, const V* f, FloatColumns& to) const noexcept {
+    void accelerate(const V* f, const LaneRows<W, float>& to) const noexcept {
+        const LaneRows<W, const float> start = links_.rows_of(*sweep_.start), base = links_.rows_of(*sweep_.base);
         V change[link_layout.link_size()];
         respond(f, change);
         for (int row = 0; row < link_layout.link_size(); ++row) {
-            V v = velocity(row, group);
-            if (sweep_.part == SweepPart::opening)
-                v = load<W>(sweep_.start->at(row, column(group))) + responses_.step * load<W>(sweep_.base->at(row, column(group)));
-            (v + responses_.step * change[row]).copy_to(to.at(row, column(group)));
+            V v = links_.velocity[row];
+            if (sweep_.part == SweepPart::opening) v = start[row] + responses_.step * base[row];
+            to.put(row, v + responses_.step * change[row]);
         }
     }
 
     /// Plates with the secants of the last rates: two equations for the sliding of both directions.
-    void solve_plates(int group) const noexcept {
-        const V force_z = kept_row(rows_.plates(), group), force_e = kept_row(rows_.plates() + 1, group);
+    void solve_plates() const noexcept {
+        const V force_z = friction_.now[rows_.plates()], force_e = friction_.now[rows_.plates() + 1];
         V a(0.0), b(0.0), e(0.0);
-        add_secants(group, a, b, e);
-        const auto [rate_z, rate_e] = Base::plate_rates(group);
+        add_secants(a, b, e);
+        const auto [rate_z, rate_e] = links_.plate_rates();
         const V z_without = rate_z - responses_.plate_shift * force_z, e_without = rate_e - responses_.plate_tilt * force_e;
         const V zz = V(1.0) + responses_.plate_shift * a, ze = responses_.plate_shift * b, ez = responses_.plate_tilt * b,
                 ee = V(1.0) + responses_.plate_tilt * e;
         const V inverse = V(1.0) / (zz * ee - ze * ez);
         const V z = (z_without * ee - ze * e_without) * inverse, tilt = (zz * e_without - ez * z_without) * inverse;
         const V new_z = -(a * z + b * tilt), new_e = -(b * z + e * tilt);
-        put(rows_.plate_rate(), group, z);
-        put(rows_.plate_rate() + 1, group, tilt);
-        put(rows_.plates(), group, new_z);
-        put(rows_.plates() + 1, group, new_e);
+        friction_.now.put(rows_.plate_rate(), z);
+        friction_.now.put(rows_.plate_rate() + 1, tilt);
+        friction_.now.put(rows_.plates(), new_z);
+        friction_.now.put(rows_.plates() + 1, new_e);
         const V shift = responses_.link_shift * (new_z - force_z), turn = responses_.link_tilt * (new_e - force_e);
-        add_velocity(link_layout.z(End::front), group, shift);
-        add_velocity(link_layout.z(End::rear), group, -shift);
-        add_velocity(link_layout.e(End::front), group, turn);
-        add_velocity(link_layout.e(End::rear), group, -turn);
+        add_velocity(link_layout.z(End::front), shift);
+        add_velocity(link_layout.z(End::rear), -shift);
+        add_velocity(link_layout.e(End::front), turn);
+        add_velocity(link_layout.e(End::rear), -turn);
     }
 
     /// Σ secant, Σ ξ secant, Σ ξ² secant.
-    void add_secants(int group, V& a, V& b, V& e) const noexcept {
-        const V z = kept_row(rows_.plate_rate(), group), tilt = kept_row(rows_.plate_rate() + 1, group),
+    void add_secants(V& a, V& b, V& e) const noexcept {
+        const ContactComponents& components = links_.field.components;
+        const V z = friction_.now[rows_.plate_rate()], tilt = friction_.now[rows_.plate_rate() + 1],
                 slowest(numbers_.plate.saturation_speed);
         const auto add = [&](int plate, const V& inverse_speed) {
             const float xi = numbers_.plate_position[static_cast<std::size_t>(plate)];
-            const V secant = contact(field_.components.plate(plate), group) * inverse_speed, lever = xi * secant;
+            const V secant = links_.contact[components.plate(plate)] * inverse_speed, lever = xi * secant;
             a += secant;
             b += lever;
             e += xi * lever;
@@ -296,75 +320,83 @@ private:
             return larger<W>(abs(z + numbers_.plate_position[static_cast<std::size_t>(plate)] * tilt), slowest);
         };
         int plate = 0;
-        for (; plate + 1 < field_.components.plates; plate += 2) {
+        for (; plate + 1 < components.plates; plate += 2) {
             const Reciprocals<W> inverse(speed(plate), speed(plate + 1));
             add(plate, inverse.first);
             add(plate + 1, inverse.second);
         }
-        if (plate < field_.components.plates) add(plate, V(1.0) / speed(plate));
+        if (plate < components.plates) add(plate, V(1.0) / speed(plate));
     }
 
     /// All tips at the velocities that they have left each other so far.
-    void solve_tips(int group) const noexcept {
+    void solve_tips() const noexcept {
         V f[link_layout.link_size()];
         for (V& row : f) row = V(0.0);
         V moment(0.0);
-        const V turn = Base::turning(group);
+        const V turn = links_.turning();
         for (const End end : {End::rear, End::front}) {
             const int low = 2 * static_cast<int>(end);
-            const AtTips<V> velocities = Base::tip_velocities(group, {link_layout.x(end, 0), link_layout.y(end, 0), link_layout.z(end)});
-            const AtTips<V> changes{solve_tip(group, low, velocities.low, turn), solve_tip(group, low + 1, velocities.high, turn)};
-            add_tips(group, end, changes, f, moment);
+            const AtTips<V> velocities = tips_.velocities(end);
+            const AtTips<V> changes{solve_tip(low, velocities.low, turn), solve_tip(low + 1, velocities.high, turn)};
+            tips_.act(end, changes, f, moment);
         }
-        add_couple(group, moment, f);
+        links_.add_couple(moment, f);
         V change[link_layout.link_size()];
         respond(f, change);
-        for (int row = 0; row < link_layout.link_size(); ++row) add_velocity(row, group, responses_.step * change[row]);
+        for (int row = 0; row < link_layout.link_size(); ++row) add_velocity(row, responses_.step * change[row]);
     }
 
     /// With the slip u that would be there without this tip's friction, c the limit and r the response, friction is -c u/(max(|u| - r c,
     /// v0) + r c) times the law's factor.
     /// @return change of its force
-    [[nodiscard]] AtTip<V> solve_tip(int group, int corner, const AtTip<V>& v, const V& turn) const noexcept {
-        const V friction_limit = contact(field_.components.tip(corner) + Tip::friction_limit, group),
-                own_slip = responses_.tip * friction_limit;
-        const AtTip<V> old = tip_force(group, corner);
+    [[nodiscard]] AtTip<V> solve_tip(int corner, const AtTip<V>& v, const V& turn) const noexcept {
+        const V friction_limit = tips_.contact(corner, Tip::friction_limit), full_slip = responses_.tip * friction_limit;
+        const AtTip<V> old = friction_.tip(corner);
         const AtTip<V> without =
-            slip(group, corner, {v.x - responses_.tip * old.x, v.y - responses_.tip * old.y, v.z - responses_.tip * old.z}, turn);
-        const V speed = sqrt(without.square()), lawful = lawful_share(own_slip, speed), lawful_slip = lawful * own_slip;
-        const V factor = -(lawful / (lawful_slip + tip_speed(group, corner, speed - lawful_slip)));
+            tips_.slip(corner, {v.x - responses_.tip * old.x, v.y - responses_.tip * old.y, v.z - responses_.tip * old.z}, turn);
+        const V speed = sqrt(without.square()), lawful = lawful_share(full_slip, speed), lawful_slip = lawful * full_slip;
+        const V factor = -(lawful / (lawful_slip + tip_speed(corner, speed - lawful_slip)));
         const V none(0.0);
         const auto held = [&](const V& sliding) { return select_greater<W>(friction_limit, none, factor * sliding, none); };
         const AtTip<V> part{held(without.x), held(without.y), held(without.z)};
-        const V tx = contact(ContactComponents::frame_x, group), ty = contact(ContactComponents::frame_y, group);
-        put(rows_.tip(corner), group, part.x * tx + part.y * ty);
-        put(rows_.tip(corner) + 1, group, part.y * tx - part.x * ty);
-        put(rows_.tip(corner) + 2, group, part.z);
+        const V tx = links_.contact[ContactComponents::frame_x], ty = links_.contact[ContactComponents::frame_y];
+        friction_.now.put(rows_.tip(corner), part.x * tx + part.y * ty);
+        friction_.now.put(rows_.tip(corner) + 1, part.y * tx - part.x * ty);
+        friction_.now.put(rows_.tip(corner) + 2, part.z);
         const V forces[3] = {friction_limit * part.x, friction_limit * part.y, friction_limit * part.z};
-        for (int axis = 0; axis < 3; ++axis) forces[axis].copy_to(sweep_.mean_tip_forces->at(3 * corner + axis, column(group)));
+        const LaneRows<W, float> means = links_.rows_of(*sweep_.mean_tip_forces);
+        for (int axis = 0; axis < 3; ++axis) means.put(3 * corner + axis, forces[axis]);
         return {forces[0] - old.x, forces[1] - old.y, forces[2] - old.z};
     }
 
-    /// Factor of the tips' law at the sliding speed that friction leaves. @param own_slip sliding that its full friction takes away [m/s]
-    [[nodiscard]] V lawful_share(const V& own_slip, const V& speed) const noexcept {
+    /// Factor of the tips' law at the sliding speed that friction leaves. @param full_slip sliding that full friction removes [m/s]
+    [[nodiscard]] V lawful_share(const V& full_slip, const V& speed) const noexcept {
         if (numbers_.tip_law == nullptr) return V(1.0);
-        return speed_factor<W>(*numbers_.tip_law, braked_speed<W>(*numbers_.tip_law, own_slip, speed, V(numbers_.tip.saturation_speed)));
+        return speed_factor<W>(*numbers_.tip_law, braked_speed<W>(*numbers_.tip_law, full_slip, speed, V(numbers_.tip.saturation_speed)));
     }
 
     /// Sliding speed within the branch of the law that holds.
-    [[nodiscard]] V tip_speed(int group, int corner, const V& sliding) const noexcept {
-        if (!Base::friction_.by_phase()) return larger<W>(sliding, V(numbers_.tip.saturation_speed));
-        return Base::within_branch(group, corner, sliding);
+    [[nodiscard]] V tip_speed(int corner, const V& sliding) const noexcept {
+        if (!operator_.by_phase()) return larger<W>(sliding, V(numbers_.tip.saturation_speed));
+        return tips_.within_branch(corner, sliding);
     }
 
     /// Keeps the forces with which the next step begins.
-    void keep_opening(int group) const noexcept {
+    void keep_opening() const noexcept {
         for (int row = 0; row < rows_.forces(); ++row) {
-            const V now = kept_row(row, group);
-            put(rows_.opening(row), group, now + sweep_.ahead * (now - before(row, group)));
+            const V now = friction_.now[row];
+            friction_.now.put(rows_.opening(row), now + sweep_.ahead * (now - before_[row]));
         }
     }
 
+    const FrictionOperator& operator_;
+    const FrictionNumbers& numbers_;
+    const LinkLanes<W> links_;
+    const TipContacts<W> tips_;
+    const KeptForces<W, float> friction_;
+    const LaneRows<W, const float> before_;
+    const LaneRows<W, float> velocity_;
+    const SweepRows rows_;
     const FrictionSweep& sweep_;
     const SweepResponses& responses_;
 };
@@ -373,8 +405,8 @@ private:
 inline void sweep_links(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
                         const FrictionSweep& sweep) noexcept {
     const int links = range.last - range.first;
-    over_groups(0, links + 1, [&]<int W>(int group) { SweepLanes<W>(friction, field, range, sweep).joints(group); });
-    over_groups(0, links, [&]<int W>(int group) { SweepLanes<W>(friction, field, range, sweep).links(group); });
+    over_groups(0, links + 1, [&]<int W>(int group) { JointSweep<W>(friction, {field, range, group}, sweep).run(); });
+    over_groups(0, links, [&]<int W>(int group) { LinkSweep<W>(friction, {field, range, group}, sweep).run(); });
 }
 
 }  // namespace

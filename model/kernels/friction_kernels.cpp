@@ -1,5 +1,5 @@
 #include "model/basis/isa.hpp"
-#include "model/contact/friction_lanes.hpp"
+#include "model/contact/stage_lanes.hpp"
 #include "model/contact/sweep_lanes.hpp"
 #include "model/kernels/lane_pass.hpp"
 #include "model/kernels/native_kernels.hpp"
@@ -22,7 +22,7 @@ void record(const FrictionOperator& friction, const ChainRange& range, const Con
 
 template <>
 FrictionKernels friction_kernels<compiled_isa>() noexcept {
-    return {record, evaluate_links<false>, evaluate_links<true>, sweep_links, sweep_powers, end_links, advance_links, react};
+    return {record, evaluate_links, sweep_links, sweep_powers, end_links, advance_links, react};
 }
 
 }  // namespace cvtflow::model

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "model/basis/portable_math.hpp"
@@ -26,6 +27,14 @@ FrictionCurve FrictionCurve::piecewise() const noexcept {
     Detail detail;
     detail.friction = FrictionLaw::piecewise;
     return FrictionCurve({coefficient, saturation_speed}, detail);
+}
+
+FrictionCurve FrictionCurve::linear() const noexcept {
+    FrictionCurve curve = *this;
+    curve.law = FrictionLaw::smoothed;  // whose corner is then at infinity
+    curve.proportional_speed = curve.full_speed = curve.linear_speed_squared = std::numeric_limits<double>::infinity();
+    curve.shape = 0.0;
+    return curve;
 }
 
 namespace {

@@ -146,18 +146,11 @@ template <int W, class Laws = FrictionLaws>
     return Laws::visit(curve.law, [&](auto law) { return law.template share<W>(curve, velocity); });
 }
 
-/// s(v)/v for the square of a speed [s/m].
-template <int W, bool AllSticking>
-[[nodiscard]] inline Lanes<W> sliding_factor(const FrictionCurve& curve, const Lanes<W>& square) noexcept {
-    if constexpr (AllSticking) return Lanes<W>(curve.inverse_saturation_speed);
-    return slip_factor_of_square<W>(curve, square);
-}
-
-/// Two of them for one division. Sticking lanes get the factor at rest whether or not their neighbours need the division.
-template <int W, bool AllSticking>
-[[nodiscard]] inline std::pair<Lanes<W>, Lanes<W>> sliding_factors(const FrictionCurve& curve, const Lanes<W>& first,
-                                                                   const Lanes<W>& second) noexcept {
-    if constexpr (AllSticking) return {Lanes<W>(curve.inverse_saturation_speed), Lanes<W>(curve.inverse_saturation_speed)};
+/// Two of slip_factor_of_square() for one division. Sticking lanes get the factor at rest whether or not their neighbours need the
+/// division.
+template <int W>
+[[nodiscard]] inline std::pair<Lanes<W>, Lanes<W>> slip_factors_of_squares(const FrictionCurve& curve, const Lanes<W>& first,
+                                                                           const Lanes<W>& second) noexcept {
     const Lanes<W> at_rest(curve.inverse_saturation_speed);
     if (all_at_most<W>(larger<W>(first, second), curve.linear_speed_squared)) return {at_rest, at_rest};
     const Lanes<W> a = regular_speed<W>(curve, sqrt(first)), b = regular_speed<W>(curve, sqrt(second));
@@ -166,13 +159,6 @@ template <int W, bool AllSticking>
         return select_greater<W>(square, Lanes<W>(curve.linear_speed_squared), sliding, at_rest);
     };
     return {chosen(first, slip_factor<W>(curve, a, inverse.first)), chosen(second, slip_factor<W>(curve, b, inverse.second))};
-}
-
-/// s of a velocity along one axis, with its sign [1]. velocity [m/s]
-template <int W, bool AllSticking>
-[[nodiscard]] inline Lanes<W> sliding_share(const FrictionCurve& curve, const Lanes<W>& velocity) noexcept {
-    if constexpr (AllSticking) return curve.inverse_saturation_speed * velocity;
-    return friction_share<W>(curve, velocity);
 }
 
 /// Factor by sliding speed ≥ 0 [m/s]. Every interval adds what it gains below the speed, so no lane has to find its interval.

@@ -48,8 +48,20 @@ FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, const Kick& kick)
                  std::vector(kick_state_slots + 1, workspace.layout().link_size())),
       w_(workspace),
       frame_(workspace),
+      sticking_(friction_.all_sticking()),
       tables_(kick) {
+    make_resting();
     FrictionLeapfrog::restart();
+}
+
+void FrictionLeapfrog::repartitioned() {
+    KickSystem::repartition(w_.partition);
+    make_resting();
+}
+
+void FrictionLeapfrog::make_resting() {
+    resting_.clear();
+    for (int s = 0; s < columns_.segments(); ++s) resting_.push_back(fields(s).contacts);
 }
 
 void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
@@ -174,7 +186,11 @@ void FrictionLeapfrog::stage(int item) noexcept {
 
 double FrictionLeapfrog::spectral_radius(int iterations) noexcept {
     const int rows = w_.layout().link_size(), segments = columns_.segments();
-    for (int s = 0; s < segments; ++s) contact_edges_.take(columns_, fields(s).contacts.columns, s);
+    for (int s = 0; s < segments; ++s) {
+        contact_edges_.take(columns_, fields(s).contacts.columns, s);
+        resting_[at(s)] = fields(s).contacts;
+        resting_[at(s)].stop();
+    }
     double radius = 0.0;
     for (int k = 0; k < iterations; ++k) {
         double before = 0.0, after = 0.0;
@@ -182,7 +198,7 @@ double FrictionLeapfrog::spectral_radius(int iterations) noexcept {
         for (int s = 0; s < segments; ++s) {
             Fields& f = fields(s);
             edges_[mode_edges].take(columns_, f.of[mode], s);
-            friction_.all_sticking(f.contacts, range_of(w_, 0.0, f.of[mode], s), f.of[image]);
+            sticking_.slopes(resting_[at(s)], range_of(w_, 0.0, f.of[mode], s), {.slope = &f.of[image]});
         }
         for (int row = 0; row < rows; ++row) {
             for_links(static_cast<KickSystem&>(*this), [&](const Fields& f, int, int column) {

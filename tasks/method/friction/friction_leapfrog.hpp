@@ -36,7 +36,7 @@ public:
 
     [[nodiscard]] CycleSequence step() override;
     void add_tasks(engine::TaskGraph& graph) override;
-    void repartitioned() override { KickSystem::repartition(w_.partition); }
+    void repartitioned() override;
     [[nodiscard]] AtTransition at_transition() const noexcept override { return AtTransition::repeat; }
     void restart() noexcept override;
     void phases_changed() noexcept override {}  // history stays good: nothing jumps
@@ -65,6 +65,7 @@ private:
         KickRow row{};
         double extrapolation = 0.0;  ///< change of G at the stage, in units of the difference between its last two values
     };
+    void make_resting();
     void begin();
     [[nodiscard]] Fault choose_table();
     [[nodiscard]] int next_stages() noexcept;
@@ -73,6 +74,8 @@ private:
 
     Workspace& w_;
     LeapfrogFrame frame_;
+    const model::FrictionOperator sticking_;    ///< where every contact sticks
+    std::vector<model::ContactField> resting_;  ///< [segment] contacts at rest
     const KickTables tables_;
     const KickTable* table_ = nullptr;                ///< table of the present step
     int stage_ = 0;                                   ///< the first that is in no cycle yet
