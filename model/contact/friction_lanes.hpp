@@ -10,27 +10,6 @@
 namespace cvtflow::model {
 namespace {
 
-/// product = inverse force: `size` modes of the rear pin, then those of the front pin.
-template <int size, class V>
-inline void multiply_ends(const MirroredInverse<float>& inverse, const V* force, V* product) noexcept {
-    V both[size], apart[size];
-    for (int m = 0; m < size; ++m) {
-        both[m] = force[m] + force[size + m];
-        apart[m] = force[m] - force[size + m];
-    }
-    for (int m = 0; m < size; ++m) {
-        const float* sum = inverse.sum.data() + m * axis_terms;
-        const float* difference = inverse.difference.data() + m * axis_terms;
-        V together = sum[m % 2] * both[m % 2], opposed = difference[m % 2] * apart[m % 2];
-        for (int k = m % 2 + 2; k < size; k += 2) {
-            together += sum[k] * both[k];
-            opposed += difference[k] * apart[k];
-        }
-        product[m] = together + opposed;
-        product[size + m] = together - opposed;
-    }
-}
-
 /// W links side by side; velocities count from those at which contacts were recorded, column numbers from the first link of the range.
 template <int W, bool AllSticking>
 class FrictionLanes : protected FrictionTips<W, AllSticking> {
@@ -246,15 +225,16 @@ protected:
                contact(ContactComponents::inverse_length, group);
     }
 
+    /// A⁻¹ f of links that are not held.
     template <class Sink>
     void accelerate(const V* f, const Sink& to) const noexcept {
-        for (int axis = 0; axis < 2; ++axis) accelerate_ends<n>(numbers_.lateral, f + 2 * n * axis, 2 * n * axis, to);
+        for (int axis = 0; axis < 2; ++axis) accelerate_ends<n>(numbers_.across, f + 2 * n * axis, 2 * n * axis, to);
         accelerate_ends<2>(numbers_.axial, f + 4 * n, 4 * n, to);
     }
 
     /// Rows row … row + 2 size - 1: `size` modes of the rear pin, then of the front pin.
     template <int size, class Sink>
-    static void accelerate_ends(const MirroredInverse<float>& inverse, const V* force, int row, const Sink& to) noexcept {
+    static void accelerate_ends(const MirroredMatrix<float>& inverse, const V* force, int row, const Sink& to) noexcept {
         V product[2 * size];
         multiply_ends<size>(inverse, force, product);
         for (int k = 0; k < 2 * size; ++k) to.put(row + k, product[k]);

@@ -241,15 +241,16 @@ private:
     }
 
     /// A⁻¹ f.
-    void respond(const V* f, V* accelerations) const noexcept {
-        for (int axis = 0; axis < 2; ++axis) multiply_ends<n>(numbers_.lateral, f + 2 * n * axis, accelerations + 2 * n * axis);
+    void respond(int group, const V* f, V* accelerations) const noexcept {
+        const V tx = contact(ContactComponents::frame_x, group), ty = contact(ContactComponents::frame_y, group);
+        multiply_turned(numbers_.along, numbers_.across, tx, ty, f, accelerations);
         multiply_ends<2>(numbers_.axial, f + 4 * n, accelerations + 4 * n);
     }
 
     /// Velocities after forces have acted over the step. @param to velocities so far, or the result
     void accelerate(int group, const V* f, FloatColumns& to) const noexcept {
         V change[link_layout.link_size()];
-        respond(f, change);
+        respond(group, f, change);
         for (int row = 0; row < link_layout.link_size(); ++row) {
             V v = velocity(row, group);
             if (sweep_.part == SweepPart::opening)
@@ -318,7 +319,7 @@ private:
         }
         add_couple(group, moment, f);
         V change[link_layout.link_size()];
-        respond(f, change);
+        respond(group, f, change);
         for (int row = 0; row < link_layout.link_size(); ++row) add_velocity(row, group, responses_.step * change[row]);
     }
 
