@@ -80,7 +80,7 @@ using Analyses = std::map<std::string, MethodAnalysis, std::less<>>;
     Analyses all{{"dumka3", {{}, dumka3_step}}, {"rkc", {{}, rkc_step}}, {"rock2", {{}, rock2_step}}, {"fitted", {{}, fitted_step}}};
     all["leapfrog-rkc"] = of_kick(rkc_kick);
     all["leapfrog-chebyshev"] = of_kick(chebyshev_kick);
-    all["leapfrog-sweep"] = {backward_euler_leapfrog_stability, backward_euler_leapfrog_step};
+    all["leapfrog-sweep"] = {backward_euler_leapfrog_stability, held_leapfrog_step};
     all["leapfrog-rigid"] = {rigid_leapfrog_stability, backward_euler_leapfrog_step};
     for (const NewtonVariant& variant : newton_variants()) all[variant.name] = {trapezoidal_stability, trapezoidal_step};
     for (const LinearPlan& plan : linear_plans())

@@ -53,7 +53,7 @@ void others(int part, const Pass& pass, int own, int count, const Pass::Columns&
 void solve(const Pass& pass, int own, int count, const Pass::Columns& columns) noexcept {
     std::array<V, size> f;
     std::copy_n(columns.v(), size, f.begin());
-    pass.solve(own, count, f.data());
+    pass.solve(own, count, columns, f.data());
 }
 
 std::size_t lane_memory(int links) {

@@ -12,6 +12,7 @@
 #include "model/basis/lanes.hpp"
 #include "model/contact/friction_operator.hpp"
 #include "model/force/link_frame.hpp"
+#include "model/machine/mirrored_matrix.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -24,27 +25,6 @@ inline void over_groups(int first, int last, const Body& body) noexcept {
     int group = first;
     for (; last - group > native_floats; group += most) body.template operator()<wide>(group);
     if (group < last) body.template operator()<narrow>(group);
-}
-
-/// product = inverse force: `size` modes of the rear pin, then those of the front pin.
-template <int size, class V>
-inline void multiply_ends(const MirroredInverse<float>& inverse, const V* force, V* product) noexcept {
-    V both[size], apart[size];
-    for (int m = 0; m < size; ++m) {
-        both[m] = force[m] + force[size + m];
-        apart[m] = force[m] - force[size + m];
-    }
-    for (int m = 0; m < size; ++m) {
-        const float* sum = inverse.sum.data() + m * axis_terms;
-        const float* difference = inverse.difference.data() + m * axis_terms;
-        V together = sum[m % 2] * both[m % 2], opposed = difference[m % 2] * apart[m % 2];
-        for (int k = m % 2 + 2; k < size; k += 2) {
-            together += sum[k] * both[k];
-            opposed += difference[k] * apart[k];
-        }
-        product[m] = together + opposed;
-        product[size + m] = together - opposed;
-    }
 }
 
 /// Rows of columns: W lanes from one column on. @tparam Number float, or const float

@@ -12,25 +12,16 @@ Coefficients without_friction(Coefficients c) {
     return c;
 }
 
-/// @param rows of the matrix, `size` modes of either end
-MirroredInverse<double> inverse_of(const double* rows, int size) {
-    const WideInverse inverse(rows, 2 * size);
-    MirroredInverse<double> mirrored;
-    for (int m = 0; m < size; ++m) {
-        for (int k = m % 2; k < size; k += 2) {
-            const auto at = static_cast<std::size_t>(m * axis_terms + k);
-            mirrored.sum[at] = static_cast<double>(0.5 * (inverse(m, k) + inverse(m, size + k)));
-            mirrored.difference[at] = static_cast<double>(0.5 * (inverse(m, k) - inverse(m, size + k)));
-        }
-    }
-    return mirrored;
+MirroredMatrix<float> rounded(const MirroredMatrix<double>& matrix) {
+    MirroredMatrix<float> to;
+    std::ranges::transform(matrix.sum, to.sum.begin(), [](double x) { return static_cast<float>(x); });
+    std::ranges::transform(matrix.difference, to.difference.begin(), [](double x) { return static_cast<float>(x); });
+    return to;
 }
 
-MirroredInverse<float> rounded(const MirroredInverse<double>& inverse) {
-    MirroredInverse<float> to;
-    std::ranges::transform(inverse.sum, to.sum.begin(), [](double x) { return static_cast<float>(x); });
-    std::ranges::transform(inverse.difference, to.difference.begin(), [](double x) { return static_cast<float>(x); });
-    return to;
+HeldInverse free_inverse(const LinkInertia& inertia) noexcept {
+    const MirroredMatrix<double> lateral = mirrored_inverse(inertia.lateral_matrix.data(), axis_terms);
+    return {lateral, lateral, mirrored_inverse(inertia.axial_matrix.data(), 2)};
 }
 
 /// As a law is evaluated in floats: nothing is divided by zero there, either, and what is surely proportional is so after their rounding.
@@ -42,13 +33,9 @@ FrictionCurve in_floats(FrictionCurve curve) {
 
 }  // namespace
 
-FrictionNumbers::FrictionNumbers(const Coefficients& c, const MirroredInverse<double>& of_lateral, const MirroredInverse<double>& of_axial)
-    : joint(in_floats(c.joint.friction)),
-      plate(in_floats(c.plate_friction)),
-      tip(in_floats(c.tip.friction)),
-      tip_law(c.tip.law),
-      lateral(rounded(of_lateral)),
-      axial(rounded(of_axial)) {
+FrictionNumbers::FrictionNumbers(const Coefficients& c, const HeldInverse& inverse)
+    : joint(in_floats(c.joint.friction)), plate(in_floats(c.plate_friction)), tip(in_floats(c.tip.friction)), tip_law(c.tip.law) {
+    respond_by(inverse);
     const auto round_all = [](const auto& from, auto& to) {
         std::ranges::transform(from, to.begin(), [](double x) { return static_cast<float>(x); });
     };
@@ -57,12 +44,17 @@ FrictionNumbers::FrictionNumbers(const Coefficients& c, const MirroredInverse<do
     round_all(c.plates.position, plate_position);
 }
 
+void FrictionNumbers::respond_by(const HeldInverse& inverse) noexcept {
+    along = rounded(inverse.along);
+    across = rounded(inverse.across);
+    axial = rounded(inverse.axial);
+}
+
 FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase, const FrictionKernels& kernels)
     : chain_(chain),
       frictionless_(without_friction(chain.coefficients())),
-      lateral_inverse_(inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral())),
-      axial_inverse_(inverse_of(chain.inertia().axial_matrix.data(), 2)),
-      numbers_(chain.coefficients(), lateral_inverse_, axial_inverse_),
+      inverse_(free_inverse(chain.inertia())),
+      numbers_(chain.coefficients(), inverse_),
       by_phase_(by_phase),
       kernels_(kernels) {}
 
@@ -72,6 +64,13 @@ FrictionOperator FrictionOperator::all_sticking() const {
     sticking.numbers_.tip_law = nullptr;
     sticking.by_phase_ = false;
     return sticking;
+}
+
+void FrictionOperator::hold(float step) noexcept {
+    if (step == held_for_) return;
+    held_for_ = step;
+    inverse_ = HeldLinks(chain_.coefficients(), chain_.inertia()).inverse(step);
+    numbers_.respond_by(inverse_);
 }
 
 }  // namespace cvtflow::model

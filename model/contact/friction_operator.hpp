@@ -7,29 +7,26 @@
 #include "model/chain/chain_model.hpp"
 #include "model/contact/contact_field.hpp"
 #include "model/contact/friction_stage.hpp"
+#include "model/machine/held_links.hpp"
 
 namespace cvtflow::model {
-
-/// Inverse of a mass matrix of a link, by its symmetries: both ends are alike, and so are both halves of the pins' length.
-/// [[a, b], [b, a]] acts on the sum of both ends as a + b and on their difference as a - b; modes of even and of odd order do not couple.
-template <class Number>
-struct MirroredInverse {
-    std::array<Number, axis_terms * axis_terms> sum{}, difference{};  ///< (a ± b)/2, rows axis_terms apart; where m + k is odd: 0
-};
 
 /// Slower sliding counts as this: its square is still a float, and so is one over it [m/s].
 inline constexpr double slowest_single = 1e-15;
 
 /// Constants of friction as floats, in which velocities inside a step are computed.
 struct FrictionNumbers {
-    FrictionNumbers(const Coefficients& coefficients, const MirroredInverse<double>& lateral, const MirroredInverse<double>& axial);
+    FrictionNumbers(const Coefficients& coefficients, const HeldInverse& inverse);
+
+    /// Takes another inverse.
+    void respond_by(const HeldInverse& inverse) noexcept;
 
     FrictionCurve joint, plate, tip;
     std::shared_ptr<const TipLaw> tip_law;                                     ///< nullptr: none
     std::array<float, max_joint_lanes> joint_position{};                       ///< ξ [1]
     std::array<std::array<float, max_joint_lanes>, axis_terms> joint_basis{};  ///< P_m(ξ)
     std::array<float, max_plate_lanes> plate_position{};                       ///< ξ [1]
-    MirroredInverse<float> lateral, axial;                                     ///< of x, and of y; of z and e
+    MirroredMatrix<float> along, across, axial;                                ///< HeldInverse; along and across are equal if none is held
 };
 
 class FrictionOperator;
@@ -89,19 +86,26 @@ public:
     [[nodiscard]] FrictionOperator all_sticking() const;
     [[nodiscard]] const FrictionKernels& kernels() const noexcept { return kernels_; }
 
+    /// From now on links are held as a step of this length holds them: what record() gives, and how velocities respond to forces.
+    /// @param step rounded, so that the rounding of times renews nothing [s]
+    void hold(float step) noexcept;
+
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
     /// Coefficients of the chain without friction.
     [[nodiscard]] const Coefficients& frictionless() const noexcept { return frictionless_; }
     /// Whether the branch of the law is that of the tip's phase (detail.stick_slip).
     [[nodiscard]] bool by_phase() const noexcept { return by_phase_; }
-    [[nodiscard]] const MirroredInverse<double>& lateral_inverse() const noexcept { return lateral_inverse_; }
-    [[nodiscard]] const MirroredInverse<double>& axial_inverse() const noexcept { return axial_inverse_; }
+    /// A⁻¹.
+    [[nodiscard]] const HeldInverse& inverse() const noexcept { return inverse_; }
+    /// nullptr: links are not held.
+    [[nodiscard]] const HeldInverse* held() const noexcept { return held_for_ > 0.0F ? &inverse_ : nullptr; }
     [[nodiscard]] const FrictionNumbers& numbers() const noexcept { return numbers_; }
 
 private:
     const ChainModel& chain_;
     Coefficients frictionless_;
-    MirroredInverse<double> lateral_inverse_, axial_inverse_;  ///< of x, and of y; of z and e
+    HeldInverse inverse_;
+    float held_for_ = 0.0F;  ///< step that inverse_ holds links for; 0: none is held [s]
     FrictionNumbers numbers_;
     bool by_phase_;
     FrictionKernels kernels_;

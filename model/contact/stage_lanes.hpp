@@ -247,10 +247,11 @@ private:
         give(RowSink<W, VelocityRow::max_terms>(stage_, *stage_.next, column, count));
     }
 
+    /// A⁻¹ f of links that are not held.
     template <class Sink>
     void accelerate(const V* f, const Sink& to) const noexcept {
         V accelerations[link_layout.link_size()];
-        for (int axis = 0; axis < 2; ++axis) multiply_ends<n>(numbers_.lateral, f + 2 * n * axis, accelerations + 2 * n * axis);
+        for (int axis = 0; axis < 2; ++axis) multiply_ends<n>(numbers_.across, f + 2 * n * axis, accelerations + 2 * n * axis);
         multiply_ends<2>(numbers_.axial, f + 4 * n, accelerations + 4 * n);
         for (int row = 0; row < link_layout.link_size(); ++row) to.put(row, accelerations[row]);
     }

@@ -265,7 +265,8 @@ private:
 
     /// A⁻¹ f.
     void respond(const V* f, V* accelerations) const noexcept {
-        for (int axis = 0; axis < 2; ++axis) multiply_ends<n>(numbers_.lateral, f + 2 * n * axis, accelerations + 2 * n * axis);
+        const V tx = links_.contact[ContactComponents::frame_x], ty = links_.contact[ContactComponents::frame_y];
+        multiply_turned(numbers_.along, numbers_.across, tx, ty, f, accelerations);
         multiply_ends<2>(numbers_.axial, f + 4 * n, accelerations + 4 * n);
     }
 

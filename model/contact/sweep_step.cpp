@@ -15,7 +15,7 @@ constexpr double tip_margin = 0.85, plate_margin = 0.85;
 
 /// A half's modes at a place, as rows of the inverse of the mass matrix act on them.
 struct Response {
-    const MirroredInverse<double>& inverse;
+    const MirroredMatrix<double>& inverse;
     int size;
 
     /// Response of mode m to a force with these shares in the modes, on the same end or on the other one.
@@ -53,21 +53,22 @@ struct Response {
 SweepResponses::SweepResponses(const FrictionOperator& friction, double h, double nominal) noexcept
     : step(static_cast<float>(h)), of_step(h), of_nominal(nominal) {
     const auto& points = friction.chain().coefficients().joint_points;
-    const Response lateral{friction.lateral_inverse(), friction.chain().layout().lateral()}, axial{friction.axial_inverse(), 2};
+    const HeldInverse& inverse = friction.inverse();
+    const Response along{inverse.along, axis_terms}, across{inverse.across, axis_terms}, axial{inverse.axial, 2};
     const auto one = [](int k) { return [k](int m) { return m == k ? 1.0 : 0.0; }; };
     const auto rounded = [](double x) { return static_cast<float>(x); };
     const double z = 2.0 * nominal * axial.mode(0, true, one(0)), e = 2.0 * nominal * axial.mode(1, true, one(1));  // of both pins' halves
     for (std::size_t g = 0; g < static_cast<std::size_t>(points.count); ++g) {
         const auto shares = [&](int m) { return points.basis[static_cast<std::size_t>(m)][g]; };
         const double xi = points.position[g];
-        joint_across[g] = rounded(joint_margin * 2.0 * nominal * lateral.place(true, shares, shares));
+        joint_across[g] = rounded(joint_margin * 2.0 * nominal * across.place(true, shares, shares));
         joint_along[g] = rounded(joint_margin * (z + xi * xi * e));
-        for (int m = 0; m < lateral.size; ++m)
-            joint_lateral[g][static_cast<std::size_t>(m)] = rounded(2.0 * nominal * lateral.mode(m, true, shares));
+        for (int m = 0; m < axis_terms; ++m)
+            joint_lateral[g][static_cast<std::size_t>(m)] = rounded(2.0 * nominal * across.mode(m, true, shares));
         joint_tilt[g] = rounded(xi * e);
     }
     joint_shift = rounded(z);
-    tip = rounded(tip_margin * nominal * std::max(all_tips(lateral), all_tips(axial)));
+    tip = rounded(tip_margin * nominal * std::max({all_tips(along), all_tips(across), all_tips(axial)}));
     const double apart_z = 2.0 * axial.inverse.difference[0], apart_e = 2.0 * axial.inverse.difference[axis_terms + 1];
     plate_shift = rounded(plate_margin * nominal * 2.0 * apart_z);
     plate_tilt = rounded(plate_margin * nominal * 2.0 * apart_e);

@@ -22,6 +22,7 @@ struct NoContacts {
     using PointBooks = NoBooks;
     static constexpr bool recorded = false;
     static constexpr TipSearch* search() noexcept { return nullptr; }
+    static constexpr const HeldInverse* held() noexcept { return nullptr; }
     [[nodiscard]] static int rows(int, int) noexcept { return 0; }
 };
 
@@ -62,12 +63,20 @@ public:
     using PointBooks = NoBooks;
     static constexpr bool recorded = true;
 
-    /// @param real coefficients with friction in them   @param search nullptr: tips touch as the range's phases state
-    ContactWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase, const ContactRecord& to,
+    /// @param search nullptr: tips touch as the range's phases state
+    ContactWriter(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const ContactRecord& to,
                   TipSearch* search) noexcept
-        : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(to.field), to_(to), search_(search) {}
+        : c_(friction.chain().coefficients()),
+          held_(friction.held()),
+          range_(range),
+          drift_(drift),
+          by_phase_(friction.by_phase()),
+          field_(to.field),
+          to_(to),
+          search_(search) {}
 
     [[nodiscard]] TipSearch* search() const noexcept { return search_; }
+    [[nodiscard]] const HeldInverse* held() const noexcept { return held_; }
 
     /// Rows of the field for the links group, …
     [[nodiscard]] Rows rows(int group, int count) const noexcept { return rows_of(field_.columns, group, count); }
@@ -201,7 +210,8 @@ protected:
         }
     }
 
-    const Coefficients& c_;
+    const Coefficients& c_;  ///< with friction in them
+    const HeldInverse* held_;
     const ChainRange& range_;
     const ContactDrift& drift_;
     bool by_phase_;

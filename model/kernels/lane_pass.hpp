@@ -124,8 +124,12 @@ public:
     }
 
     /// Slopes of links group … from their forces, which are lost.
-    void solve(int group, int count, V* f) const noexcept {
-        accelerate(model_.inertia(), f);
+    void solve(int group, int count, const Columns& columns, V* f) const noexcept {
+        const HeldInverse* held = contacts_.held();
+        if (held != nullptr)
+            accelerate(*held, columns.frame, f);
+        else
+            accelerate(model_.inertia(), f);
         if constexpr (Contacts::recorded) return contacts_.accelerations(group, count, f);
         std::array<double*, W> to;
         for (int lane = 0; lane < count; ++lane) {
@@ -156,7 +160,7 @@ public:
         moment += rear.after + after(rear.before, next.before);
         tips(group, count, columns, f.data(), moment, loads_);
         add_moment(columns.frame, moment, f.data());
-        solve(group, count, f.data());
+        solve(group, count, columns, f.data());
     }
 
     [[nodiscard]] KindLanes<W> kinds(int group, int count) const noexcept {

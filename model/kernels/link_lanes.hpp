@@ -11,6 +11,7 @@
 #include "model/force/link_frame.hpp"
 #include "model/force/sheave_motion.hpp"
 #include "model/machine/coefficients.hpp"
+#include "model/machine/held_links.hpp"
 #include "model/machine/link_inertia.hpp"
 
 namespace cvtflow::model {
@@ -151,6 +152,21 @@ template <int W>
 inline void accelerate(const LinkInertia& inertia, Lanes<W>* f) noexcept {
     multiply<2 * axis_terms, 2>(inertia.lateral, f);
     multiply<4, 1>(inertia.axial, f + 4 * axis_terms);
+}
+
+/// The same of held links: the plates' stretch is accelerated by t·a + |d| θ'².
+template <int W>
+inline void accelerate(const HeldInverse& inverse, const LinkFrameOf<Lanes<W>>& frame, Lanes<W>* f) noexcept {
+    const Lanes<W> outward = frame.turning * frame.turning / frame.inverse_length;
+    for (int m = 0; m < axis_terms; m += 2) {
+        const Lanes<W> pull = inverse.turning[static_cast<std::size_t>(m)] * outward, x = pull * frame.tx, y = pull * frame.ty;
+        f[link_layout.x(End::rear, m)] += x;
+        f[link_layout.y(End::rear, m)] += y;
+        f[link_layout.x(End::front, m)] -= x;
+        f[link_layout.y(End::front, m)] -= y;
+    }
+    multiply_turned(inverse.along, inverse.across, frame.tx, frame.ty, f, f);
+    multiply_ends<2>(inverse.axial, f + 4 * axis_terms, f + 4 * axis_terms);
 }
 
 }  // namespace

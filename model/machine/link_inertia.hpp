@@ -6,6 +6,7 @@
 
 #include "model/basis/extended.hpp"
 #include "model/machine/coefficients.hpp"
+#include "model/machine/mirrored_matrix.hpp"
 
 namespace cvtflow::model {
 
@@ -33,6 +34,9 @@ private:
     int size_;
     std::array<Extended, max_lateral_block * max_lateral_block> columns_{};
 };
+
+/// Inverse of a link's matrix. @param rows of the matrix, `size` modes of either end
+[[nodiscard]] MirroredMatrix<double> mirrored_inverse(const double* rows, int size) noexcept;
 
 struct LinkInertia {
     SmallInverse lateral;                                                        ///< inverse of B, for x and for y: [a_0…a_p, b_0…b_p]

@@ -39,8 +39,9 @@ constexpr double accurate_growth = 0.15;
 /// Least number of steps in which a pin takes the place of the next one. A pin strikes its sheave, and rolls in its joint, within a few
 /// hundredths of that time. Without this limit, 23 of 400 machines of the lottery with rigid pins were off by more than 1 % in losses, by
 /// 3.7 % at most; with it 13, by 1.6 % at most. At 2000 rpm a pin takes 120 to 170 steps of 5 us. With halves machine 25 (5900 rpm, ratio
-/// 0.417) lost 1.6 % too little in 100 steps per pin, 0.5 % in 140, 0.1 % in 200; at 2000 rpm a pin takes 270 steps of 2 us and more.
-constexpr double steps_per_rigid_pin = 100.0, steps_per_pin_of_halves = 150.0;
+/// 0.417) lost 1.6 % too little in 100 steps per pin, 0.5 % in 140, 0.1 % in 200, and a slip of 2e-4 (machine 0, 5276 rpm) was off by 1.5 %
+/// in 150, as held links allow; at 2000 rpm a pin takes 189 steps of 2.86 us and more.
+constexpr double steps_per_rigid_pin = 100.0, steps_per_pin_of_halves = 185.0;
 
 /// Longest stable step of an oscillation ω with an explicit damping δ. A leapfrog that takes the damping at velocities extrapolated to the
 /// middle of the step is stable up to (h ω/2)² + h δ = 1. Where friction beside it takes some of the stability away, shares add up instead:
@@ -59,7 +60,7 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
       interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_check_interval : check_interval),
       reuses_eigenvectors_(parameters.detail.pins == model::PinDetail::rigid),
       memory_(std::make_shared<SpectralMemory>(variator.layout())),
-      bound_(variator, MovedPart::all, memory_),
+      bound_(variator, MovedPart::all, memory_, held_links(method, variator.chain())),
       variator_(variator),
       chain_(parameters.chain) {
     if (variator.chain().coefficients().tip.law != nullptr)
@@ -71,7 +72,8 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
     for (model::Friction* friction : {&without_friction.plate.friction, &without_friction.joint.friction, &without_friction.tip.friction})
         friction->coefficient = 0.0;
     frictionless_ = std::make_unique<model::Variator>(without_friction);
-    for (const MovedPart part : {MovedPart::links, MovedPart::pulleys}) damped_parts_.emplace_back(*frictionless_, part, memory_);
+    for (const MovedPart part : {MovedPart::links, MovedPart::pulleys})
+        damped_parts_.emplace_back(*frictionless_, part, memory_, held_links(method, variator.chain()));
 }
 
 /// Treats the strongest damping as if it acted on the fastest oscillation, which need not be so. Links and pulleys are estimated

@@ -141,6 +141,11 @@ std::unique_ptr<StepMethod> Method::make(Workspace& workspace) const {
     return program_->make(workspace);
 }
 
+std::shared_ptr<const model::HeldLinks> held_links(const Method& method, const model::ChainModel& chain) {
+    if (method.program() == nullptr || !method.program()->holds_links || chain.layout().rigid) return nullptr;
+    return std::make_shared<const model::HeldLinks>(chain.coefficients(), chain.inertia());
+}
+
 MethodReach reach_of(const Method& method) {
     if (const MethodProgram* program = method.program()) return program->reach;
     const engine::StagePlan& plan = method.plan();

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engine/method/catalogue.hpp"
+#include "model/machine/held_links.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -53,6 +54,7 @@ struct MethodProgram {
     std::string solves = "none";               ///< systems solved in a step
     MethodReach reach = {};                    ///< derived by bench/method/stability; a test compares
     double longest_step = usual_longest_step;  ///< longest automatic step with pin halves [s]
+    bool holds_links = false;                  ///< links are held (model::HeldLinks), so that steps can be longer
     bool estimates_error = false;              ///< StepMethod::error_power() is not 0
     int revision = 1;  ///< raised whenever a step computes otherwise, so that no checkpoint of the former method is continued
     /// Setting that it requires and parameters do not have; empty: none.
@@ -121,6 +123,9 @@ private:
     const MethodProgram* program_;
     engine::StagePlan plan_;
 };
+
+/// What a method's steps hold of the links of a chain; nullptr: nothing.
+[[nodiscard]] std::shared_ptr<const model::HeldLinks> held_links(const Method& method, const model::ChainModel& chain);
 
 /// Reach of any method of the catalogue; of a table that declares none it is derived. @throws std::logic_error without a function that does
 [[nodiscard]] MethodReach reach_of(const Method& method);

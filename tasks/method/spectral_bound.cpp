@@ -1,6 +1,7 @@
 #include "tasks/method/spectral_bound.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -25,10 +26,12 @@ SpectralMemory::SpectralMemory(const model::ChainLayout& layout)
     for (auto* field : {&base, &moved, &slope, &rest}) field->assign(static_cast<std::size_t>(layout.size()), 0.0);
 }
 
-SpectralBound::SpectralBound(const model::Variator& variator, MovedPart part, std::shared_ptr<SpectralMemory> memory)
+SpectralBound::SpectralBound(const model::Variator& variator, MovedPart part, std::shared_ptr<SpectralMemory> memory,
+                             std::shared_ptr<const model::HeldLinks> held)
     : variator_(variator),
       part_(part),
-      memory_(memory != nullptr ? std::move(memory) : std::make_shared<SpectralMemory>(variator.layout())) {
+      memory_(memory != nullptr ? std::move(memory) : std::make_shared<SpectralMemory>(variator.layout())),
+      held_(std::move(held)) {
     for (auto* field : {&velocity_.direction, &coordinate_.direction})
         field->assign(static_cast<std::size_t>(variator.layout().size()), 0.0);
     velocity_.size = 1e-9;
@@ -48,6 +51,19 @@ void SpectralBound::for_each_unknown(Action action) const noexcept {
         action(at.pulley_begin() + k, at.pulley_begin() + at.pulley_size + k);
 }
 
+/// Takes the stiffness of held links, four times, away from the accelerations of moved coordinates.
+void SpectralBound::relieve(const double* state) noexcept {
+    if (held_ == nullptr) return;
+    const model::ChainLayout& at = variator_.layout();
+    std::array<double, model::ChainLayout{}.link_size()> moved;
+    for (int link = 0; link < at.links; ++link) {
+        const int begin = at.link_begin(link), size = at.link_size();
+        const double* from = state + begin;
+        std::transform(from, from + size, memory_->moved.begin() + begin, moved.begin(), [](double q, double there) { return there - q; });
+        held_->add(4.0, from, moved.data(), memory_->slope.data() + begin + size);
+    }
+}
+
 int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases,
                            int budget) noexcept {
     std::vector<double>& direction = iteration.direction;
@@ -65,6 +81,7 @@ int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, c
             before += (memory_->moved[k] - state[k]) * (memory_->moved[k] - state[k]);
         }
         model::right_hand_side(variator_, t, memory_->moved.data(), phases, memory_->slope.data(), memory_->scratch);
+        if (!of_velocities) relieve(state);
         ++evaluations;
         ++iteration.taken;
         for_each_unknown([&](int q, int v) {

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "model/machine/held_links.hpp"
 #include "model/variator/variator.hpp"
 
 namespace cvtflow::tasks {
@@ -27,8 +28,9 @@ struct SpectralMemory {
 class SpectralBound {
 public:
     /// `variator` must outlive it. Takes all its memory here, but for what is given.
+    /// @param held what a step holds of the links; nullptr: nothing
     explicit SpectralBound(const model::Variator& variator, MovedPart part = MovedPart::all,
-                           std::shared_ptr<SpectralMemory> memory = nullptr);
+                           std::shared_ptr<SpectralMemory> memory = nullptr, std::shared_ptr<const model::HeldLinks> held = nullptr);
 
     /// Estimates at a state with its phases held: serial, deterministic, a warm start from the last call. [layout.size()]
     /// Those with a budget stop once it is used up; the next call continues, at the state then: the iteration forgets where it began.
@@ -45,7 +47,8 @@ public:
     /// Largest |λ| of the accelerations by velocities: all friction and damping [1/s]. From below, as power iterations are, by some per
     /// cent.
     [[nodiscard]] double real() const noexcept { return velocity_.found; }
-    /// Largest frequency of the accelerations by coordinates, friction aside [rad/s].
+    /// Largest frequency of the accelerations by coordinates, friction aside; of held links that of K - 4 K_held, as a leapfrog is stable
+    /// while (2/h)² M + 4 K_held - K is positive definite [rad/s].
     [[nodiscard]] double imaginary() const noexcept;
 
     /// The next estimate begins anew.
@@ -81,6 +84,7 @@ private:
                 int budget) noexcept;  ///< t [s], state [unknowns]
     int iterate_at_rest(double t, const double* state, const model::Phase* phases, int budget) noexcept;
     void publish() noexcept;
+    void relieve(const double* state) noexcept;  ///< [unknowns]
     template <class Action>
     void for_each_unknown(Action action) const noexcept;
 
@@ -88,6 +92,7 @@ private:
     const MovedPart part_;
     Iteration velocity_, coordinate_;
     std::shared_ptr<SpectralMemory> memory_;
+    std::shared_ptr<const model::HeldLinks> held_;
     bool cold_ = true;
     bool velocity_complete_ = false;  ///< the present estimate has its velocities, not yet its coordinates
 };

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "bench/method/jacobian/jacobian.hpp"
+#include "model/machine/held_links.hpp"
 
 namespace cvtflow::bench {
 
@@ -119,6 +120,26 @@ struct Derivatives {
     return radius;
 }
 
+/// M⁻¹ K of held links, rows and columns of their velocities.
+[[nodiscard]] Sparse held_part(const model::ChainModel& chain, const double* state) {
+    const model::ChainLayout& layout = chain.layout();
+    const int size = layout.link_size(), all = layout.links * size;
+    Sparse part(all, all);
+    if (layout.rigid) return part;
+    const model::HeldLinks held(chain.coefficients(), chain.inertia());
+    Entries entries;
+    for (int link = 0; link < layout.links; ++link) {
+        for (int column = 0; column < size; ++column) {
+            std::vector<double> moved(static_cast<std::size_t>(size), 0.0), of_column = moved;
+            moved[static_cast<std::size_t>(column)] = 1.0;
+            held.add(1.0, state + layout.link_begin(link), moved.data(), of_column.data());
+            add_block(entries, of_column.data(), size, 1, link * size, link * size + column);
+        }
+    }
+    part.setFromTriplets(entries.begin(), entries.end());
+    return part;
+}
+
 class SparseSolver final : public LinearSolver {
 public:
     explicit SparseSolver(const Sparse& matrix) { lu_.compute(Eigen::SparseMatrix<double>(matrix)); }
@@ -134,6 +155,7 @@ private:
 struct LinearChain::Parts {
     Sparse elastic, frictionless, sliding, damping, friction;
     Sparse link_friction, surface_friction, reaction;  ///< parts of friction: links by links, all by others, others by links
+    Sparse held;                                       ///< M⁻¹ K of held links
     std::optional<double> stiffest;
 };
 
@@ -158,6 +180,7 @@ LinearChain::LinearChain(const model::Variator& variator, const model::Parameter
     parts.link_friction = parts.friction.block(0, 0, link_velocities_, link_velocities_);
     parts.surface_friction = parts.friction.rightCols(others);
     parts.reaction = parts.friction.block(link_velocities_, 0, others, link_velocities_);
+    parts.held = held_part(variator.chain(), start.state.data());
 }
 
 double LinearChain::stiffest_friction() const {
@@ -193,6 +216,9 @@ void LinearChain::add_surface_friction(double factor, const double* v, double* o
     const int others = velocities_ - link_velocities_;
     WriteVector(out, velocities_) += factor * (parts_->surface_friction * ReadVector(v + link_velocities_, others));
 }
+void LinearChain::add_held(double factor, const double* v, double* out) const {
+    WriteVector(out, link_velocities_) += factor * (parts_->held * ReadVector(v, link_velocities_));
+}
 void LinearChain::add_reaction(double factor, const double* v, double* out) const {
     const int others = velocities_ - link_velocities_;
     WriteVector(out + link_velocities_, others) += factor * (parts_->reaction * ReadVector(v, link_velocities_));
@@ -206,9 +232,10 @@ std::unique_ptr<LinearSolver> LinearChain::whole_solver(double shift) const {
     return std::make_unique<SparseSolver>(one - shift * (parts_->damping + parts_->friction) - shift * shift * elastic);
 }
 
-std::unique_ptr<LinearSolver> LinearChain::friction_solver(double shift) const {
+std::unique_ptr<LinearSolver> LinearChain::friction_solver(double shift, bool held) const {
     Sparse one(link_velocities_, link_velocities_);
     one.setIdentity();
+    if (held) one += shift * shift * parts_->held;
     return std::make_unique<SparseSolver>(one - shift * parts_->link_friction);
 }
 

@@ -56,7 +56,10 @@ public:
     /// Solver of the whole: (1 - shift (C + F) - shift² K). shift [s]
     [[nodiscard]] std::unique_ptr<LinearSolver> whole_solver(double shift) const;
     /// Solver of the links' friction: (1 - shift F). shift [s]
-    [[nodiscard]] std::unique_ptr<LinearSolver> friction_solver(double shift) const;
+    /// @param held whether links are held over a step of `shift`
+    [[nodiscard]] std::unique_ptr<LinearSolver> friction_solver(double shift, bool held) const;
+    /// out += factor M⁻¹ K v of held links (model::HeldLinks). v, out: velocities of links
+    void add_held(double factor, const double* v, double* out) const;
 
     /// Largest eigenvalue of links' friction if all contacts stuck; found at the first request [1/s].
     [[nodiscard]] double stiffest_friction() const;

@@ -34,7 +34,8 @@ std::string text_of(const StepLimit& limit) {
     return "";
 }
 
-StepLimitBound::StepLimitBound(const model::Variator& variator, const Method& method) : bound_(variator) {
+StepLimitBound::StepLimitBound(const model::Variator& variator, const Method& method)
+    : bound_(variator, MovedPart::all, nullptr, held_links(method, variator.chain())) {
     if (const MethodProgram* program = method.program()) {
         const auto& stability = analysis_of(*program).stability;
         if (stability == nullptr) return;

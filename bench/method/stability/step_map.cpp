@@ -216,14 +216,18 @@ private:
 /// Backward Euler: the drift of the sheaves over half a step.
 class BackwardEulerKicker final : public Kicker {
 public:
+    explicit BackwardEulerKicker(bool held) : held_(held) {}
     bool prepare(const LinearChain& chain, double h) override {
-        solver_ = chain.friction_solver(h);
+        chain_ = &chain;
+        h_ = h;
+        solver_ = chain.friction_solver(h, held_);
         right_.resize(at(chain.link_velocities()));
         return true;
     }
     void kick(LinkKick& k) override {
         const int count = static_cast<int>(right_.size());
         std::copy_n(k.velocity, count, right_.begin());
+        if (held_) chain_->add_held(h_ * h_, k.velocity, right_.data());
         add(1.0, k.frictionless, count, right_.data());
         add(1.0, k.grip, count, right_.data());
         k.mean_time = 0.5;
@@ -233,6 +237,9 @@ public:
     }
 
 private:
+    const bool held_;  ///< links are held over a step
+    const LinearChain* chain_ = nullptr;
+    double h_ = 0.0;
     std::unique_ptr<LinearSolver> solver_;
     Numbers right_;
 };
@@ -301,7 +308,11 @@ std::unique_ptr<StepMap> leapfrog_step(const LinearChain& chain, const Kick& kic
 }
 
 std::unique_ptr<StepMap> backward_euler_leapfrog_step(const LinearChain& chain) {
-    return std::make_unique<Leapfrog>(chain, std::make_unique<BackwardEulerKicker>());
+    return std::make_unique<Leapfrog>(chain, std::make_unique<BackwardEulerKicker>(false));
+}
+
+std::unique_ptr<StepMap> held_leapfrog_step(const LinearChain& chain) {
+    return std::make_unique<Leapfrog>(chain, std::make_unique<BackwardEulerKicker>(true));
 }
 
 // Methods that choose their table by the spectrum and the step.

@@ -31,6 +31,8 @@ protected:
 [[nodiscard]] std::unique_ptr<StepMap> leapfrog_step(const LinearChain& chain, const Kick& kick);
 /// Step with converged sweeps over contacts: friction by backward Euler on velocities.
 [[nodiscard]] std::unique_ptr<StepMap> backward_euler_leapfrog_step(const LinearChain& chain);
+/// The same with held links.
+[[nodiscard]] std::unique_ptr<StepMap> held_leapfrog_step(const LinearChain& chain);
 [[nodiscard]] std::unique_ptr<StepMap> implicit_step(const LinearChain& chain, const LinearPlan& plan);
 [[nodiscard]] std::unique_ptr<StepMap> trapezoidal_step(const LinearChain& chain);
 /// Steps of methods that choose among tables by the spectrum, with the choice of their first step.

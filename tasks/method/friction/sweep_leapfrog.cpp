@@ -86,6 +86,7 @@ void SweepSystem::restart() noexcept {
 }
 
 void SweepSystem::begin(double step, double nominal) noexcept {
+    friction_.hold(static_cast<float>(nominal));
     if (step != responses_.of_step || nominal != responses_.of_nominal) responses_ = {friction_, step, nominal};
     losses_ = Losses::none;
 }

@@ -98,7 +98,7 @@ public:
     [[nodiscard]] AtTransition at_transition() const noexcept override {
         return w_.parameters.detail.stick_slip ? AtTransition::repeat : AtTransition::inside;
     }
-    [[nodiscard]] long observation_stride() const noexcept override { return 12; }
+    [[nodiscard]] long observation_stride() const noexcept override { return 9; }
     void restart() noexcept override;
     void phases_changed() noexcept override {}  // forces stay good: that of a tip that has just landed is zero
     void save(std::vector<double>& memory) const override;
