@@ -6,7 +6,6 @@
 
 #include "model/chain/chain_model.hpp"
 #include "model/contact/contact_field.hpp"
-#include "model/contact/friction_stage.hpp"
 
 namespace cvtflow::model {
 
@@ -34,6 +33,7 @@ struct FrictionNumbers {
 
 class FrictionOperator;
 
+struct FrictionStage;   // model/contact/friction_stage.hpp
 struct FrictionSweep;   // model/contact/sweep_step.hpp
 struct FrictionPowers;  // likewise
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "model/basis/portable_math.hpp"
+#include "model/contact/friction_stage.hpp"
 #include "tasks/step/step_graph.hpp"
 
 namespace cvtflow::tasks {
