@@ -53,7 +53,7 @@ struct MethodProgram {
     std::string solves = "none";               ///< systems solved in a step
     MethodReach reach = {};                    ///< derived by bench/method/stability; a test compares
     double longest_step = usual_longest_step;  ///< longest automatic step with pin halves [s]
-    bool estimates_error = false;              ///< StepMethod::error_power() is not 0
+    bool estimates_error = false;              ///< StepMethod::error_estimate() has a power
     int revision = 1;  ///< raised whenever a step computes otherwise, so that no checkpoint of the former method is continued
     /// Setting that it requires and parameters do not have; empty: none.
     std::string_view (*missing)(const model::Parameters& parameters) = [](const model::Parameters&) { return std::string_view(); };
