@@ -30,7 +30,7 @@
 #include "engine/base/hash.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "model/kernels/available_isas.hpp"
-#include "model/kernels/native_kernels.hpp"
+#include "model/kernels/kernels.hpp"
 #include "plain/plain_rhs.hpp"
 #include "plain/system.hpp"
 #include "tasks/run/simulation.hpp"
@@ -242,7 +242,7 @@ void register_rows() {
         add_row(std::string("plain/") + name, [add = add](benchmark::State& run) { plain_part(run, add); });
     add_rows("one_lane", model::chain_kernels<bench::one_lane>(), bench::link_parts<bench::one_lane>(), 0.0);
     for (const model::Isa isa : model::usable_isas())
-        add_rows(std::string(model::name_of(isa)), model::kernels_of(isa).halves().chain, parts_of(isa), bench::peak_flops(isa));
+        add_rows(std::string(model::name_of(isa)), model::kernels_of(isa).chain(), parts_of(isa), bench::peak_flops(isa));
     add_row("this_build/pulleys", pulleys);
     add_row("this_build/transitions", transitions);
 }

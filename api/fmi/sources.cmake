@@ -52,9 +52,11 @@ while(open)   # every file is copied once, and what it includes is open
 endwhile()
 
 # Kernels of the instruction set that the compiler is told, at best -march=native: every one gives the same bits.
-string(CONCAT CVTFLOW_KERNEL_DECLARATIONS "template <>\nKernels native_kernels<compiled_isa>() noexcept;\n"
+string(CONCAT CVTFLOW_KERNEL_DECLARATIONS "template <>\nChainKernels chain_kernels<compiled_isa>() noexcept;\n"
+  "template <>\nFrictionKernels friction_kernels<compiled_isa>() noexcept;\n"
   "template <>\nRigidKernels rigid_kernels<compiled_isa>() noexcept;\n")
-set(CVTFLOW_KERNEL_ROWS "        {compiled_isa, native_kernels<compiled_isa>, rigid_kernels<compiled_isa>},\n")
+set(CVTFLOW_KERNEL_ROWS
+  "        {compiled_isa, chain_kernels<compiled_isa>, friction_kernels<compiled_isa>, rigid_kernels<compiled_isa>},\n")
 configure_file(${TOP}/model/kernels/compiled_kernels.cpp.in ${OUT}/groups/compiled_kernels.cpp @ONLY)
 file(READ ${OUT}/groups/compiled_kernels.cpp text)
 file(WRITE ${OUT}/groups/compiled_kernels.cpp "#include \"model/basis/native_lanes.hpp\"\n${text}")

@@ -26,20 +26,18 @@ constexpr double far_below = 0.7;
 
 std::optional<engine::StagePlan> fitted_plan(double real, double imaginary) {
     auto fitted = fit({std::max(real, bench::min_fitted_real), imaginary, 3, 0.2, 0.01});
-    if (!fitted || fitted->plan.stages.size() > FittedBySpectrum::max_stages + 1) return {};
+    if (!fitted || fitted->plan.stages.size() > FittedChoice::max_stages + 1) return {};
     validate(fitted->plan);
     return std::move(fitted->plan);
 }
 
-void FittedBySpectrum::refit(double real, double imaginary) {
+void FittedChoice::refit(double real, double imaginary) {
     const auto fitted = fitted_plan(real, imaginary);
     if (!fitted)
         throw std::runtime_error(
             fmt::format("run.step: no fitted polynomial of up to {} stages is stable for a step whose spectrum reaches -{:.3g} and {:.3g}i",
                         max_stages, std::max(real, bench::min_fitted_real), imaginary));
-    std::vector<engine::CompiledPlan> next{engine::CompiledPlan(*fitted)};
-    use(next.front());  // brings the last slope along while the former plan is still there
-    plan_ = std::move(next);
+    plan_.assign(1, engine::CompiledPlan(*fitted));
     fitted_real_ = real;
     fitted_imaginary_ = imaginary;
     steps_since_review_ = 0;
@@ -47,38 +45,40 @@ void FittedBySpectrum::refit(double real, double imaginary) {
     ++fits_;
 }
 
-void FittedBySpectrum::choose(double h) {
+const engine::CompiledPlan& FittedChoice::stable_plan(double h) {
     const double extent = real() * h, wide = imaginary() * h;
-    if (extent > fitted_real_ || wide > fitted_imaginary_) return refit(fit_headroom * extent, fit_headroom * wide);
     max_recent_extent_ = std::max(max_recent_extent_, extent);
-    if (++steps_since_review_ < review_steps) return;
-    if (max_recent_extent_ < far_below * fitted_real_)
-        return refit(fit_headroom * max_recent_extent_, fit_headroom * max_recent_extent_ * imaginary() / real());
-    steps_since_review_ = 0;
-    max_recent_extent_ = 0.0;
+    if (extent > fitted_real_ || wide > fitted_imaginary_) {
+        refit(fit_headroom * extent, fit_headroom * wide);
+    } else if (++steps_since_review_ >= review_steps) {
+        if (max_recent_extent_ < far_below * fitted_real_)
+            refit(fit_headroom * max_recent_extent_, fit_headroom * max_recent_extent_ * imaginary() / real());
+        steps_since_review_ = 0;
+        max_recent_extent_ = 0.0;
+    }
+    return plan_.front();
 }
 
-void FittedBySpectrum::restart() noexcept {
-    SpectralMethod::restart();
+void FittedChoice::restart() noexcept {
+    SpectralChoice::restart();
     fitted_real_ = fitted_imaginary_ = max_recent_extent_ = 0.0;  // the next step asks for more: a new fit
     steps_since_review_ = 0;
 }
 
-void FittedBySpectrum::save(std::vector<double>& memory) const {
-    SpectralMethod::save(memory);
-    memory.insert(memory.begin(), {fitted_real_, fitted_imaginary_, max_recent_extent_, static_cast<double>(steps_since_review_)});
+void FittedChoice::save(std::vector<double>& memory) const {
+    memory.insert(memory.end(), {fitted_real_, fitted_imaginary_, max_recent_extent_, static_cast<double>(steps_since_review_)});
+    SpectralChoice::save(memory);
 }
 
-void FittedBySpectrum::load(std::span<const double> memory) {
-    if (memory.empty()) return;
+std::span<const double> FittedChoice::load(std::span<const double> memory) {
     const auto fit = pop_front(memory, 3);
     if (fit[0] > 0.0) refit(fit[0], fit[1]);  // the same polynomial again
     max_recent_extent_ = fit[2];
     steps_since_review_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
-    SpectralMethod::load(memory);
+    return SpectralChoice::load(memory);
 }
 
-double FittedBySpectrum::longest(double requested) {
+double FittedChoice::longest(double requested) {
     return std::min({requested, max_real / (fit_headroom * real()), max_imaginary / (fit_headroom * imaginary())});
 }
 
@@ -102,9 +102,11 @@ Ladder ladder(const std::string& family, double share) {
 Ladder rkc_ladder() { return ladder("rkc", 0.65); }
 Ladder rock2_ladder() { return ladder("rock2", 0.77); }
 
-std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 3, rkc_ladder()); }
-std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 2, rock2_ladder()); }
+std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace) { return by_ladder(workspace, 3, rkc_ladder()); }
+std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace) { return by_ladder(workspace, 2, rock2_ladder()); }
 
-std::unique_ptr<StepMethod> fitted_by_spectrum(Workspace& workspace) { return std::make_unique<FittedBySpectrum>(workspace); }
+std::unique_ptr<StepMethod> fitted_by_spectrum(Workspace& workspace) {
+    return std::make_unique<StageMethod>(workspace, 3, std::make_unique<FittedChoice>(workspace));
+}
 
 }  // namespace cvtflow::bench

@@ -19,21 +19,21 @@ inline constexpr double fit_headroom = 1.1;
 
 /// Fits its polynomial to the spectrum (engine::fit), again when the spectrum or the step outgrows it or stays far below it.
 /// A refit takes milliseconds and allocates memory: the only thing in the step loop that does.
-class FittedBySpectrum final : public SpectralMethod {
+class FittedChoice final : public SpectralChoice {
 public:
     static constexpr int max_stages = 64;
 
-    explicit FittedBySpectrum(Workspace& workspace) : SpectralMethod(workspace, 3) {}
+    explicit FittedChoice(Workspace& workspace) : SpectralChoice(workspace) {}
 
     [[nodiscard]] int fits() const noexcept { return fits_; }
     void restart() noexcept override;
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< @param memory from save()
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory) override;
 
 protected:
     /// h [s]
     /// @throws std::runtime_error if no polynomial of max_stages stages is stable for such a step
-    void choose(double h) override;
+    [[nodiscard]] const engine::CompiledPlan& stable_plan(double h) override;
     [[nodiscard]] double longest(double requested) override;  ///< [s]
 
 private:

@@ -44,7 +44,7 @@ namespace {
          .description = "polynomial fitted to the spectrum, repeated when it changes",
          .source = "weights by Lawson's iteration",
          .order = 3,
-         .state_slots = FittedBySpectrum::max_stages + 1,
+         .state_slots = FittedChoice::max_stages + 1,
          .slope_slots = 3,
          .make = fitted_by_spectrum,
          .estimates_error = true},

@@ -84,13 +84,10 @@ struct AxisPoints {
 
 /// The elastic force for several elements side by side.
 template <int W, class Books>
-[[nodiscard]] inline Lanes<W> element_forces(const BendingLanes& springs, const Lanes<W>& u, const Lanes<W>& rate,
-                                             [[maybe_unused]] Books& books) noexcept {
+[[nodiscard]] inline Lanes<W> element_forces(const BendingLanes& springs, const Lanes<W>& u, const Lanes<W>& rate, Books& books) noexcept {
     const auto stiffness = load<W>(springs.stiffness.data()), damping = load<W>(springs.damping.data());
-    if constexpr (Books::observed) {
-        books.store(Energy::inner, stiffness * u * u, 0.5);
-        books.lose(Loss::inner, damping * rate * rate);
-    }
+    books.store(Energy::inner, stiffness * u * u, 0.5);
+    books.lose(Loss::inner, damping * rate * rate);
     return stiffness * u + damping * rate;
 }
 

@@ -30,6 +30,16 @@ struct Lanes {
     [[nodiscard]] NumberOf<W> operator[](std::size_t lane) const noexcept { return lane < half ? low[lane] : high[lane - half]; }
     void set(std::size_t lane, NumberOf<W> value) noexcept { lane < half ? low.set(lane, value) : high.set(lane - half, value); }
     void copy_to(NumberOf<W>* to) const noexcept { low.copy_to(to), high.copy_to(to + half); }
+    [[nodiscard]] const Half& part(int which) const noexcept { return which == 0 ? low : high; }
+    [[nodiscard]] bool at_most(double limit) const noexcept { return low.at_most(limit) && high.at_most(limit); }
+
+    static Lanes load(const NumberOf<W>* from) noexcept { return {Half::load(from), Half::load(from + half)}; }
+    static Lanes larger(const Lanes& a, const Lanes& b) noexcept { return {Half::larger(a.low, b.low), Half::larger(a.high, b.high)}; }
+    static Lanes smaller(const Lanes& a, const Lanes& b) noexcept { return {Half::smaller(a.low, b.low), Half::smaller(a.high, b.high)}; }
+    static Lanes select_greater(const Lanes& a, const Lanes& b, const Lanes& chosen, const Lanes& otherwise) noexcept {
+        return {Half::select_greater(a.low, b.low, chosen.low, otherwise.low),
+                Half::select_greater(a.high, b.high, chosen.high, otherwise.high)};
+    }
 
     friend Lanes operator+(const Lanes& a, const Lanes& b) noexcept { return {a.low + b.low, a.high + b.high}; }
     friend Lanes operator-(const Lanes& a, const Lanes& b) noexcept { return {a.low - b.low, a.high - b.high}; }
@@ -51,9 +61,26 @@ requires(is_native<W>) struct Lanes<W> {
     Lanes() = default;
     Lanes(double value) noexcept : v(static_cast<NumberOf<W>>(value) - Vector{}) {}
     Lanes(Vector vector) noexcept requires(W > 1) : v(vector) {}
+    Lanes(const Lanes<half_width<W>>& first, const Lanes<half_width<W>>& second) noexcept requires(W > 1)
+        : v(native_join(first.v, second.v, std::make_integer_sequence<int, W>{})) {}
 
-    [[nodiscard]] NumberOf<W> operator[](std::size_t lane) const noexcept { return lane_of<W>(v, lane); }
-    void set(std::size_t lane, NumberOf<W> value) noexcept { set_lane<W>(v, lane, value); }
+    [[nodiscard]] NumberOf<W> operator[](std::size_t lane) const noexcept { return lane_of(v, lane); }
+    void set(std::size_t lane, NumberOf<W> value) noexcept { set_lane(v, lane, value); }
+    [[nodiscard]] Lanes<half_width<W>> part(int which) const noexcept {
+        return native_half(v, which, std::make_integer_sequence<int, W / 2>{});
+    }
+    [[nodiscard]] bool at_most(double limit) const noexcept { return native_at_most(v, static_cast<NumberOf<W>>(limit)); }
+
+    static Lanes load(const NumberOf<W>* from) noexcept {
+        Lanes lanes;
+        __builtin_memcpy(&lanes.v, from, sizeof lanes.v);
+        return lanes;
+    }
+    static Lanes larger(const Lanes& a, const Lanes& b) noexcept { return native_larger(a.v, b.v); }
+    static Lanes smaller(const Lanes& a, const Lanes& b) noexcept { return native_smaller(a.v, b.v); }
+    static Lanes select_greater(const Lanes& a, const Lanes& b, const Lanes& chosen, const Lanes& otherwise) noexcept {
+        return a.v > b.v ? chosen.v : otherwise.v;
+    }
     /// Copies numbers: a copy of bytes might change any object, and the compiler would read pointers and strides again after it.
     void copy_to(NumberOf<W>* to) const noexcept {
         typedef Vector Unaligned __attribute__((aligned(alignof(NumberOf<W>))));
@@ -67,20 +94,14 @@ requires(is_native<W>) struct Lanes<W> {
     friend Lanes operator-(const Lanes& a) noexcept { return -a.v; }
     friend Lanes& operator+=(Lanes& a, const Lanes& b) noexcept { return a = a + b; }
     friend Lanes& operator-=(Lanes& a, const Lanes& b) noexcept { return a = a - b; }
-    friend Lanes sqrt(const Lanes& a) noexcept { return native_sqrt<W>(a.v); }
-    friend Lanes abs(const Lanes& a) noexcept { return native_abs<W>(a.v); }
+    friend Lanes sqrt(const Lanes& a) noexcept { return native_sqrt(a.v); }
+    friend Lanes abs(const Lanes& a) noexcept { return native_abs(a.v); }
 };
 
 /// Loads lanes. from [lane_count<W>]
 template <int W>
 [[nodiscard]] inline Lanes<W> load(const NumberOf<W>* from) noexcept {
-    if constexpr (is_native<W>) {
-        Lanes<W> lanes;
-        __builtin_memcpy(&lanes.v, from, sizeof lanes.v);
-        return lanes;
-    } else {
-        return {load<half_width<W>>(from), load<half_width<W>>(from + lane_count<W> / 2)};
-    }
+    return Lanes<W>::load(from);
 }
 
 /// Stores the first `count` lanes.
@@ -95,21 +116,13 @@ inline void store_first(const Lanes<W>& lanes, NumberOf<W>* to, int count) noexc
 /// The lanes of both, those of `low` first.
 template <int W>
 [[nodiscard]] inline Lanes<2 * W> join(const Lanes<W>& low, const Lanes<W>& high) noexcept {
-    if constexpr (2 * W <= native_lanes) {
-        return native_join<W>(low.v, high.v);
-    } else {
-        return {low, high};
-    }
+    return {low, high};
 }
 
 /// Lanes [0, W/2) or [W/2, W).
 template <int W>
 [[nodiscard]] inline Lanes<W / 2> half(const Lanes<W>& lanes, int which) noexcept {
-    if constexpr (W <= native_lanes) {
-        return native_half<W>(lanes.v, which);
-    } else {
-        return which == 0 ? lanes.low : lanes.high;
-    }
+    return lanes.part(which);
 }
 
 /// Sum of both halves.
@@ -144,12 +157,7 @@ requires(W <= native_lanes) inline void transpose(Lanes<W>* rows) noexcept {
 template <int W>
 [[nodiscard]] inline Lanes<W> select_greater(const Lanes<W>& a, const Lanes<W>& b, const Lanes<W>& chosen,
                                              const Lanes<W>& otherwise) noexcept {
-    if constexpr (is_native<W>) {
-        return a.v > b.v ? chosen.v : otherwise.v;
-    } else {
-        return {select_greater<half_width<W>>(a.low, b.low, chosen.low, otherwise.low),
-                select_greater<half_width<W>>(a.high, b.high, chosen.high, otherwise.high)};
-    }
+    return Lanes<W>::select_greater(a, b, chosen, otherwise);
 }
 
 /// Copies one lane of `from` to the same lane of `to`.
@@ -161,21 +169,13 @@ inline void take(const Lanes<W>& from, std::size_t lane, Lanes<W>& to) noexcept 
 /// The larger of both; b if a is NaN.
 template <int W>
 [[nodiscard]] inline Lanes<W> larger(const Lanes<W>& a, const Lanes<W>& b) noexcept {
-    if constexpr (is_native<W>) {
-        return native_larger<W>(a.v, b.v);
-    } else {
-        return {larger<half_width<W>>(a.low, b.low), larger<half_width<W>>(a.high, b.high)};
-    }
+    return Lanes<W>::larger(a, b);
 }
 
 /// The smaller of both; b if a is NaN.
 template <int W>
 [[nodiscard]] inline Lanes<W> smaller(const Lanes<W>& a, const Lanes<W>& b) noexcept {
-    if constexpr (is_native<W>) {
-        return native_smaller<W>(a.v, b.v);
-    } else {
-        return {smaller<half_width<W>>(a.low, b.low), smaller<half_width<W>>(a.high, b.high)};
-    }
+    return Lanes<W>::smaller(a, b);
 }
 
 template <int W>
@@ -186,11 +186,7 @@ template <int W>
 /// Whether no lane exceeds a limit; false for NaN. limit [unit of the lanes]
 template <int W>
 [[nodiscard]] inline bool all_at_most(const Lanes<W>& lanes, double limit) noexcept {
-    if constexpr (is_native<W>) {
-        return native_all_at_most<W>(lanes.v, static_cast<NumberOf<W>>(limit));
-    } else {
-        return all_at_most<half_width<W>>(lanes.low, limit) && all_at_most<half_width<W>>(lanes.high, limit);
-    }
+    return lanes.at_most(limit);
 }
 
 /// 1/a and 1/b by one division. Neither product nor quotient may overflow: lengths in metres and speeds in metres per second do not.
@@ -241,7 +237,7 @@ inline void sums(const std::array<Lanes<W>, count>& terms, double* totals) noexc
 template <int N>
 [[nodiscard]] inline Lanes<singles<N>> narrow(const Lanes<N>& lanes) noexcept {
     if constexpr (N == native_floats) {
-        return native_narrow<N>(lanes.low.v, lanes.high.v);
+        return native_narrow(lanes.low.v, lanes.high.v);
     } else {
         return {narrow<N / 2>(lanes.low), narrow<N / 2>(lanes.high)};
     }
@@ -250,7 +246,7 @@ template <int N>
 template <int N>
 [[nodiscard]] inline Lanes<N> widen(const Lanes<singles<N>>& floats) noexcept {
     if constexpr (N == native_floats) {
-        return {native_widen<N, false>(floats.v), native_widen<N, true>(floats.v)};
+        return {Lanes<N / 2>(native_widen(floats.v, false)), Lanes<N / 2>(native_widen(floats.v, true))};
     } else {
         return {widen<N / 2>(floats.low), widen<N / 2>(floats.high)};
     }

@@ -57,6 +57,17 @@ struct ContactField {
     Columns arms;  ///< [3 tips_per_link] rows: from a sheave's origin to the contact point of each tip, x, y, z, of links that touch [m]
 };
 
+/// Links whose friction is found, with their velocities.
+struct FrictionRange {
+    int first, last;        ///< links [first, last)
+    const float* velocity;  ///< [link_size()][stride] of links first - 1 … last
+    std::ptrdiff_t stride;  ///< of velocity
+    float* scratch;         ///< FrictionOperator::scratch_size(last - first) [m/s, N]
+    const Phase* phases;    ///< [links * 4], of the whole chain
+    double time;            ///< of the velocities, from the middle of the step, in steps [1]
+    int shift = 1;          ///< column of a link in all fields but velocity: its number + shift
+};
+
 /// Mean friction of the tips over a step, as the sheaves feel it. Everything begins at the first link.
 struct TipReactions {
     const float* forces;  ///< on the tips: [3 tips_per_link][stride] x, y, z of each [N]
@@ -88,6 +99,19 @@ struct ContactRecord {
     ContactField& field;
     FloatColumns& frictionless;  ///< accelerations by everything but friction [m/s², rad/s²]
     FloatColumns& velocity;      ///< at the step's beginning, counted from those at which contacts are recorded [m/s, rad/s]
+};
+
+/// Links at the end of a leapfrog's step, by the velocities that friction has left. Everything begins at the first link, and blocks [q | v]
+/// of links follow one another.
+struct StepEnd {
+    const float* velocity;       ///< at the end: [link_size()][stride]
+    std::ptrdiff_t stride;       ///< of velocity
+    const double* counted_from;  ///< blocks; velocities count from theirs
+    const double* start;         ///< blocks at the step's start
+    double* end;                 ///< blocks at its end: coordinates by the mean of the velocities at both
+    double* secants;             ///< blocks of slopes: velocities at the end, mean accelerations; nullptr: none
+    double step;                 ///< [s]
+    double limit;                ///< of every number of a sound state [m, m/s]
 };
 
 }  // namespace cvtflow::model

@@ -1,7 +1,6 @@
 #pragma once
 /// Contacts of links side by side: how they slide at the links' velocities, and how forces at them act on the links' coordinates.
 /// (model/EQUATIONS.md sections 4 to 6) What the forces are is a matter of sweeps (sweep_lanes.hpp) and of stages (stage_lanes.hpp).
-///
 /// Velocities count from those at which contacts were recorded. Every lane does the same operations in the same order whatever its
 /// neighbours are, so results do not depend on how links are grouped.
 

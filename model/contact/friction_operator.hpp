@@ -6,7 +6,6 @@
 
 #include "model/chain/chain_model.hpp"
 #include "model/contact/contact_field.hpp"
-#include "model/contact/friction_stage.hpp"
 #include "model/machine/held_links.hpp"
 
 namespace cvtflow::model {
@@ -31,6 +30,7 @@ struct FrictionNumbers {
 
 class FrictionOperator;
 
+struct FrictionStage;   // model/contact/friction_stage.hpp
 struct FrictionSweep;   // model/contact/sweep_step.hpp
 struct FrictionPowers;  // likewise
 

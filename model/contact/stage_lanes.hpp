@@ -2,63 +2,12 @@
 /// Friction of all contacts as a function of velocities, for tables of stages: its slope, and the row of a table that takes it, lanes over
 /// links. (model/EQUATIONS.md sections 4 to 7)
 
-#include <array>
-
 #include "model/contact/contact_lanes.hpp"
+#include "model/contact/friction_stage.hpp"
 #include "model/law/friction_laws.hpp"
 
 namespace cvtflow::model {
 namespace {
-
-/// @tparam W number of lanes, of which `lanes` represent links
-template <int W>
-struct SlopeSink {
-    float* slope;  ///< [m/s², rad/s²]
-    std::ptrdiff_t stride;
-    int lanes;
-
-    void put(int row, const Lanes<W>& value) const noexcept { store_first<W>(value, slope + row * stride, lanes); }
-};
-
-/// @tparam Terms of the row; fewer are filled up with the last one, weight 0
-template <int W, std::size_t Terms>
-class RowSink {
-public:
-    /// @param lanes that represent links
-    RowSink(const FrictionStage& stage, const VelocityRow& next, int column, int lanes) noexcept
-        : now_(stage.base->now->at(0, column)),
-          before_(stage.base->before->at(0, column)),
-          extrapolation_(static_cast<float>(stage.base->extrapolation)),
-          slope_weight_(static_cast<float>(next.slope_weight)),
-          slope_(stage.slope != nullptr ? stage.slope->at(0, column) : nullptr),
-          to_(next.to->at(0, column)),
-          stride_(next.to->stride()),
-          lanes_(lanes) {
-        for (std::size_t k = 0; k < Terms; ++k) {
-            from_[k] = next.from[std::min(k, next.terms - 1)]->at(0, column);
-            weight_[k] = static_cast<float>(k < next.terms ? next.weight[k] : 0.0);
-        }
-    }
-
-    [[gnu::always_inline]] void put(int row, Lanes<W> value) const noexcept {
-        const std::ptrdiff_t at_row = row * stride_;
-        const Lanes<W> base = load<W>(now_ + at_row);
-        value += base + extrapolation_ * (base - load<W>(before_ + at_row));
-        if (slope_ != nullptr) store_first<W>(value, slope_ + at_row, lanes_);
-        Lanes<W> sum = weight_[0] * load<W>(from_[0] + at_row);
-        for (std::size_t k = 1; k < Terms; ++k) sum += weight_[k] * load<W>(from_[k] + at_row);
-        store_first<W>(sum + slope_weight_ * value, to_ + at_row, lanes_);
-    }
-
-private:
-    const float *now_, *before_;          ///< forces of the base [m/s², rad/s²]
-    float extrapolation_, slope_weight_;  ///< [1], [s]
-    float *slope_, *to_;                  ///< accelerations and velocities [m/s², m/s]
-    std::ptrdiff_t stride_;
-    int lanes_;
-    std::array<const float*, Terms> from_;
-    std::array<float, Terms> weight_;  ///< [1]
-};
 
 /// Friction of the joints of the rear pins of W links. Points at ξ and -ξ are taken together.
 template <int W>
@@ -163,7 +112,7 @@ public:
         plates(f);
         if (links_.touch()) tips(f, moment);
         links_.add_couple(moment, f);
-        with_sink([&](const auto& sink) { accelerate(f, sink); });
+        accelerate(f);
     }
 
 private:
@@ -238,22 +187,29 @@ private:
         store_first<W>(load<W>(sum) + force, to, count);
     }
 
-    /// Calls give(sink) with where accelerations go.
-    template <class Give>
-    void with_sink(const Give& give) const noexcept {
-        const int column = links_.column(), count = links_.count();
-        if (stage_.next == nullptr) return give(SlopeSink<W>{stage_.slope->at(0, column), stage_.slope->stride(), count});
-        if (stage_.next->terms <= 2) return give(RowSink<W, 2>(stage_, *stage_.next, column, count));
-        give(RowSink<W, VelocityRow::max_terms>(stage_, *stage_.next, column, count));
+    /// Accelerations of links that are not held by forces: slopes alone, or the row of a table that takes them.
+    void accelerate(const V* f) const noexcept {
+        V slope[link_layout.link_size()];
+        for (int axis = 0; axis < 2; ++axis) multiply_ends<n>(numbers_.across, f + 2 * n * axis, slope + 2 * n * axis);
+        multiply_ends<2>(numbers_.axial, f + 4 * n, slope + 4 * n);
+        for (int row = 0; row < link_layout.link_size(); ++row) {
+            if (stage_.next != nullptr) slope[row] = with_base(row, slope[row]);
+            if (stage_.slope != nullptr) store(*stage_.slope, row, slope[row]);
+            if (stage_.next != nullptr) store(*stage_.next->to, row, combine(*stage_.next, row, slope[row]));
+        }
     }
-
-    /// A⁻¹ f of links that are not held.
-    template <class Sink>
-    void accelerate(const V* f, const Sink& to) const noexcept {
-        V accelerations[link_layout.link_size()];
-        for (int axis = 0; axis < 2; ++axis) multiply_ends<n>(numbers_.across, f + 2 * n * axis, accelerations + 2 * n * axis);
-        multiply_ends<2>(numbers_.axial, f + 4 * n, accelerations + 4 * n);
-        for (int row = 0; row < link_layout.link_size(); ++row) to.put(row, accelerations[row]);
+    [[nodiscard]] V with_base(int row, const V& slope) const noexcept {
+        const V now = links_.rows_of(*stage_.base->now)[row], before = links_.rows_of(*stage_.base->before)[row];
+        return slope + (now + static_cast<float>(stage_.base->extrapolation) * (now - before));
+    }
+    [[nodiscard]] V combine(const VelocityRow& next, int row, const V& slope) const noexcept {
+        const auto term = [&](std::size_t k) { return static_cast<float>(next.weight[k]) * links_.rows_of(*next.from[k])[row]; };
+        V sum = term(0);
+        for (std::size_t k = 1; k < next.terms; ++k) sum += term(k);
+        return sum + static_cast<float>(next.slope_weight) * slope;
+    }
+    void store(FloatColumns& columns, int row, const V& lanes) const noexcept {
+        store_first<W>(lanes, columns.at(row, links_.column()), links_.count());
     }
 
     const FrictionOperator& friction_;

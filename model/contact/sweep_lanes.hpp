@@ -213,16 +213,7 @@ public:
     using V = Lanes<W>;
 
     LinkSweep(const FrictionOperator& friction, const LinkLanes<W>& links, const FrictionSweep& sweep) noexcept
-        : operator_(friction),
-          numbers_(friction.numbers()),
-          links_(links),
-          tips_{links},
-          friction_{links, links.rows_of(*sweep.kept)},
-          before_(links.rows_of(*sweep.before)),
-          velocity_(links.rows_of(*sweep.velocity)),
-          rows_(friction_.rows),
-          sweep_(sweep),
-          responses_(*sweep.responses) {}
+        : operator_(friction), links_(links), sweep_(sweep) {}
 
     /// Velocities of the links.
     void run() const noexcept {
@@ -391,15 +382,15 @@ private:
     }
 
     const FrictionOperator& operator_;
-    const FrictionNumbers& numbers_;
     const LinkLanes<W> links_;
-    const TipContacts<W> tips_;
-    const KeptForces<W, float> friction_;
-    const LaneRows<W, const float> before_;
-    const LaneRows<W, float> velocity_;
-    const SweepRows rows_;
     const FrictionSweep& sweep_;
-    const SweepResponses& responses_;
+    const FrictionNumbers& numbers_ = operator_.numbers();
+    const SweepResponses& responses_ = *sweep_.responses;
+    const TipContacts<W> tips_{links_};
+    const KeptForces<W, float> friction_{links_, links_.rows_of(*sweep_.kept)};
+    const LaneRows<W, const float> before_ = links_.rows_of(*sweep_.before);
+    const LaneRows<W, float> velocity_ = links_.rows_of(*sweep_.velocity);
+    const SweepRows rows_ = friction_.rows;
 };
 
 /// A pass over the links of a range: their joints, then the links.

@@ -51,14 +51,12 @@ struct GuideContact {
 /// without guides stays as it is. q [coordinates of the link], v [m/s, rad/s], f [N, N·m]
 template <int W, class Books>
 [[gnu::noinline]] inline void guide_force(const GuideCoefficients& g, const Lanes<W>* q, const Lanes<W>* v, Lanes<W>* f,
-                                          [[maybe_unused]] Books& books) noexcept {
+                                          Books& books) noexcept {
     for (const End end : {End::rear, End::front}) {
         const int x = link_layout.x(end, 0), y = link_layout.y(end, 0);
         const GuideContact<W> contact(g, 0.5, q[x], q[y], v[x], v[y]);
-        if constexpr (Books::observed) {
-            books.store(Energy::supports, contact.energy);
-            books.lose(Loss::guide, contact.damping * contact.approach + contact.friction * contact.speed);
-        }
+        books.store(Energy::supports, contact.energy);
+        books.lose(Loss::guide, contact.damping * contact.approach + contact.friction * contact.speed);
         f[x] += contact.fx;
         f[y] += contact.fy;
     }

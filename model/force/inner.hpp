@@ -25,12 +25,9 @@ namespace {
 
 /// Force k u + c u' of an element with deflection u and rate u'.
 template <class Springs, class Real, class Books>
-[[nodiscard]] inline Real element_force(const Springs& spring, const Real& u, const Real& rate, Energy kind,
-                                        [[maybe_unused]] Books& books) noexcept {
-    if constexpr (Books::observed) {
-        books.store(kind, 0.5 * spring.stiffness * u * u);
-        books.lose(Loss::inner, spring.damping * rate * rate);
-    }
+[[nodiscard]] inline Real element_force(const Springs& spring, const Real& u, const Real& rate, Energy kind, Books& books) noexcept {
+    books.store(kind, 0.5 * spring.stiffness * u * u);
+    books.lose(Loss::inner, spring.damping * rate * rate);
     return spring.stiffness * u + spring.damping * rate;
 }
 
@@ -47,16 +44,14 @@ template <int W>
 /// Forces of all modes, each k u + c u'.
 template <int W, class Books>
 [[nodiscard]] inline ModeLanes<W> mode_forces(const BendingLanes& springs, const ModeLanes<W>& u, const ModeLanes<W>& rate,
-                                              [[maybe_unused]] Books& books) noexcept {
+                                              Books& books) noexcept {
     ModeLanes<W> force, energy, power;
     for (std::size_t k = 0; k < force.size(); ++k) {
         force[k] = springs.stiffness[k] * u[k] + springs.damping[k] * rate[k];
-        if constexpr (Books::observed) energy[k] = springs.stiffness[k] * u[k] * u[k], power[k] = springs.damping[k] * rate[k] * rate[k];
+        energy[k] = springs.stiffness[k] * u[k] * u[k], power[k] = springs.damping[k] * rate[k] * rate[k];
     }
-    if constexpr (Books::observed) {
-        books.store(Energy::inner, over_modes<W>(energy), 0.5);
-        books.lose(Loss::inner, over_modes<W>(power));
-    }
+    books.store(Energy::inner, over_modes<W>(energy), 0.5);
+    books.lose(Loss::inner, over_modes<W>(power));
     return force;
 }
 
@@ -123,13 +118,12 @@ template <class Kind, class Real, class Books>
 /// The extension of pins of unequal length is e - λ: what that adds to the forces of e.
 /// @param longer λ of the link's rear and of its front pin [m]
 template <class Real, class Books>
-inline void add_lengths(const Coefficients& c, const std::array<Real, 2>& longer, const Real* q, Real* f,
-                        [[maybe_unused]] Books& books) noexcept {
+inline void add_lengths(const Coefficients& c, const std::array<Real, 2>& longer, const Real* q, Real* f, Books& books) noexcept {
     for (const End end : {End::rear, End::front}) {
         const int e = link_layout.e(end);
         const Real& by = longer[static_cast<std::size_t>(end)];
         f[e] += c.extension.stiffness * by;
-        if constexpr (Books::observed) books.store(Energy::inner, c.extension.stiffness * by * (0.5 * by - q[e]));
+        books.store(Energy::inner, c.extension.stiffness * by * (0.5 * by - q[e]));
     }
 }
 

@@ -167,16 +167,13 @@ template <int W, class Real, class Points, class Friction>
 /// Rolling contact: normal force and friction.
 template <int W, class Real, class Points, class Books>
 [[nodiscard]] inline JointTerms<W> rolling_contact_force(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
-                                                         const Lanes<W>& weight, const JointMotion<W>& m,
-                                                         [[maybe_unused]] Books& books) noexcept {
+                                                         const Lanes<W>& weight, const JointMotion<W>& m, Books& books) noexcept {
     const auto [pressing, square, friction_per_speed] = rolling_forces<W>(j, weight, m);
-    if constexpr (Books::observed) {
-        const auto& [contact, closing, normal] = pressing;
-        books.store(Energy::joints, contact.energy);
-        books.lose(Loss::joint_damping, (normal - contact.elastic) * closing);
-        books.lose(Loss::joint_friction, friction_per_speed * square);
-    }
-    return rolling_terms<W>(j, frames, points, m, pressing.normal, friction_per_speed);
+    const auto& [contact, closing, normal] = pressing;
+    books.store(Energy::joints, contact.energy);
+    books.lose(Loss::joint_damping, (normal - contact.elastic) * closing);
+    books.lose(Loss::joint_friction, friction_per_speed * square);
+    return rolling_terms<W>(j, frames, points, m, normal, friction_per_speed);
 }
 
 /// How far the square of the transverse offset of the arc centres exceeds that of the clearance, times |t₋ + t₊|².
@@ -191,8 +188,7 @@ template <int W, class Real>
 /// Clearance of the plate opening: holds the transverse offset of the arc centres against the bisector.
 template <int W, class Real, class Points, class Books>
 [[nodiscard]] inline JointTerms<W> clearance_force(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
-                                                   const Lanes<W>& weight, const JointMotion<W>& m,
-                                                   [[maybe_unused]] Books& books) noexcept {
+                                                   const Lanes<W>& weight, const JointMotion<W>& m, Books& books) noexcept {
     using V = Lanes<W>;
     using std::sqrt;
     const Real inverse = 1.0 / sqrt(frames.sx * frames.sx + frames.sy * frames.sy), bx = frames.sx * inverse, by = frames.sy * inverse;
@@ -207,10 +203,8 @@ template <int W, class Real, class Points, class Books>
     points.spread(force * by, -force * bx, V(0.0), terms.data());
     terms[2 * axis_terms + 2] = -force * (j.arm * (frames.before.tx * bx + frames.before.ty * by) - 0.5 * along);
     terms[2 * axis_terms + 3] = -force * (j.arm * (frames.after.tx * bx + frames.after.ty * by) - 0.5 * along);
-    if constexpr (Books::observed) {
-        books.store(Energy::joints, spring * offset, 0.5);
-        books.lose(Loss::joint_damping, (force - spring) * offset_rate);
-    }
+    books.store(Energy::joints, spring * offset, 0.5);
+    books.lose(Loss::joint_damping, (force - spring) * offset_rate);
     return terms;
 }
 

@@ -276,17 +276,15 @@ template <int W>
 template <int W, class Books>
 [[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<Lanes<W>>& g,
                                                                         const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching,
-                                                                        const PhaseLanes& phases, [[maybe_unused]] Books& books) noexcept {
+                                                                        const PhaseLanes& phases, Books& books) noexcept {
     using Tips = Lanes<W>;
     const auto [depth, root, elastic, normal] = tip_pressing<W>(tip, g, motion, touching);
     const Vector3<Tips> v = tangential(motion.material, g.normal);
     const Tips friction_per_speed = -grip<W>(tip, normal, root, dot(v, v), phases);
     const Vector3<Tips> friction{friction_per_speed * v.x, friction_per_speed * v.y, friction_per_speed * v.z};
-    if constexpr (Books::observed) {
-        books.store(Energy::tips, elastic * depth, 0.4);
-        books.lose(Loss::tip_damping, (normal - elastic) * motion.closing);
-        books.lose(Loss::tip_friction, -dot(friction, motion.material));
-    }
+    books.store(Energy::tips, elastic * depth, 0.4);
+    books.lose(Loss::tip_damping, (normal - elastic) * motion.closing);
+    books.lose(Loss::tip_friction, -dot(friction, motion.material));
     return {normal, friction};
 }
 

@@ -1,11 +1,12 @@
 #include <algorithm>
 
-#include "model/basis/isa.hpp"
+#include "model/basis/native_lanes.hpp"
 #include "model/chain/chain_model.hpp"
 #include "model/force/tips.hpp"
+#include "model/kernels/kernels.hpp"
 #include "model/kernels/lane_pass.hpp"
 #include "model/kernels/link_lanes.hpp"
-#include "model/kernels/native_kernels.hpp"
+#include "model/kernels/observation_writer.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -83,7 +84,7 @@ void slopes(const ChainModel& model, const ChainRange& range, double* slope, Lin
 void observed_slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
                      LinkContact* contacts) noexcept {
     using Writer = ObservationWriter<native_lanes>;
-    LanePass<native_lanes, Writer>(model, range, slope, loads, Writer(accounts, contacts)).run();
+    LanePass<native_lanes, Writer>(model, range, slope, loads, Writer(model.coefficients(), accounts, contacts)).run();
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 /// Writes a contact field while forces are computed, links side by side in lanes: what LanePass hands over on its way.
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 
@@ -16,7 +18,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// No observation: forces only.
+/// No observation: forces only, so nothing is written.
 struct NoContacts {
     using Books = NoBooks;
     using PointBooks = NoBooks;
@@ -24,6 +26,22 @@ struct NoContacts {
     static constexpr TipSearch* search() noexcept { return nullptr; }
     static constexpr const HeldInverse* held() noexcept { return nullptr; }
     [[nodiscard]] static int rows(int, int) noexcept { return 0; }
+    static void link(int, int, const auto& /*columns*/) noexcept {}
+    static void gap(int, AccountPart, const auto& /*rate*/) noexcept {}
+    static void tip(const auto& /*links*/, int, const auto&...) noexcept {}
+    static void no_tips(int, int) noexcept {}
+    static void tension(int, int, const auto&...) noexcept {}
+    static void book(AccountPart, int, int, const auto& /*books*/) noexcept {}
+    static void book_point(const auto& /*total*/, const auto& /*of_point*/, auto& /*books*/) noexcept {}
+    static void book_plates(const auto& /*total*/, auto& /*books*/) noexcept {}
+    static void book_tips(int, int, const auto& /*of_tips*/) noexcept {}
+};
+
+/// Links of a group whose tips are computed.
+template <int W>
+struct TipLinks {
+    int group, count;                             ///< first, from the range's first link; lanes that represent links
+    const std::array<std::uint32_t, W>& touches;  ///< phases of each link, 0: it touches nowhere
 };
 
 /// Where the numbers of W links go in rows of columns, of doubles or of floats; lanes first … last - 1 represent links.
@@ -53,14 +71,12 @@ private:
 
 /// Groups of W links; `group` counts from the range's first, `count` of the lanes represent links. Lanes outside the range are left out.
 template <int W>
-class ContactWriter {
+class ContactWriter : public NoContacts {
 public:
     using V = Lanes<W>;
     using Joint = ContactComponents::Joint;
     using Tip = ContactComponents::Tip;
     using Rows = GroupRows<W, float>;
-    using Books = NoBooks;
-    using PointBooks = NoBooks;
     static constexpr bool recorded = true;
 
     /// @param search nullptr: tips touch as the range's phases state
@@ -81,11 +97,13 @@ public:
     /// Rows of the field for the links group, …
     [[nodiscard]] Rows rows(int group, int count) const noexcept { return rows_of(field_.columns, group, count); }
 
-    void frame(int group, int count, const LinkFrameOf<V>& frame) const noexcept {
+    /// The links' frames and velocities.
+    void link(int group, int count, const LinkColumns<W>& columns) const noexcept {
         const Rows to = rows(group, count);
-        to.put(ContactComponents::frame_x, frame.tx);
-        to.put(ContactComponents::frame_y, frame.ty);
-        to.put(ContactComponents::inverse_length, frame.inverse_length);
+        to.put(ContactComponents::frame_x, columns.frame.tx);
+        to.put(ContactComponents::frame_y, columns.frame.ty);
+        to.put(ContactComponents::inverse_length, columns.frame.inverse_length);
+        velocities(group, count, columns.v());
     }
 
     /// @param to rows() of the links
@@ -99,12 +117,12 @@ public:
         to.put(field_.components.sliding(point), m.slip);
     }
 
-    /// How fast the gap of a joint opens, and that between the pins of a link.
-    void gaps(const Rows& to, int row, const Difference<V>& rate) const noexcept {
+    /// Rates at which the gap of a joint opens, or that between the pins of a link.
+    void gap(const Rows& to, AccountPart part, const Difference<V>& rate) const noexcept {
+        const int row = part == AccountPart::joint ? field_.components.joint_gap() : field_.components.plate_gap();
         to.put(row, rate.z);
         to.put(row + 1, rate.e);
     }
-    [[nodiscard]] const ContactComponents& components() const noexcept { return field_.components; }
 
     void plate(const Rows& to, int plate, const V& tension) const noexcept {
         to.put(field_.components.plate(plate), c_.plate_friction.coefficient * positive_part<W>(tension));
@@ -117,9 +135,10 @@ public:
     }
 
     /// @param sheave of the tip's side for every link, shaft its number
-    template <class Geometry>
-    void tip(int group, int count, int corner, const Geometry& g, const TipMotion<V>& m, const V& normal,
+    template <class Forces>
+    void tip(const TipLinks<W>& links, int corner, const TipGeometry<V>& g, const TipMotion<V>& m, const Forces& forces,
              const SheaveMotionLanes<W>& sheave, const V& shaft) const noexcept {
+        const int group = links.group, count = links.count;
         const Rows to = rows(group, count);
         const int row = field_.components.tip(corner);
         to.put(row + Tip::normal, g.normal.x);
@@ -127,8 +146,9 @@ public:
         to.put(row + Tip::normal + 2, g.normal.z);
         to.put(row + Tip::lever_x, m.lever_x);
         to.put(row + Tip::lever_y, m.lever_y);
-        const V limit = c_.tip.friction.coefficient * normal;
-        to.put(row + Tip::friction_limit, c_.tip.law == nullptr ? limit : limit * pressure_factor<W>(*c_.tip.law, root_of(g.depth)));
+        const V limit = c_.tip.friction.coefficient * forces.normal;
+        to.put(row + Tip::friction_limit,
+               c_.tip.law == nullptr ? limit : limit * pressure_factor<W>(*c_.tip.law, sqrt(positive_part<W>(g.depth))));
         surface(to, corner, m, sheave, shaft);
         const GroupRows<W, double> arms = rows_of(field_.arms, group, count);
         arms.put(3 * corner, m.sheave_arm.x);
@@ -143,6 +163,17 @@ public:
         for (int row = 0; row < link_layout.link_size(); ++row) to.put(row, rows[row]);
     }
 
+    /// Ghost columns, one on each side of the chain's, where the range holds the link that they repeat.
+    void repeat(int links) const noexcept {
+        if (!range_.ghosts) return;
+        const auto copy = [&](int from, int to) {
+            for (int row = 0; row < field_.components.count(); ++row) *field_.columns.at(row, to) = *field_.columns.at(row, from);
+        };
+        if (range_.first == 0) copy(1, 1 + links);
+        if (range_.last == links) copy(links, 0);
+    }
+
+private:
     /// Velocities at the step's beginning, counted from those passed over. @param v of these, rows of the coordinates
     void velocities(int group, int count, const V* v) const noexcept {
         constexpr int size = link_layout.link_size(), block = 2 * size;
@@ -156,25 +187,10 @@ public:
         for (int row = 0; row < size; ++row) to.put(row, begin[static_cast<std::size_t>(rows - size + row)] - v[row]);
     }
 
-    /// Ghost columns, one on each side of the chain's, where the range holds the link that they repeat.
-    void repeat(int links) const noexcept {
-        if (!range_.ghosts) return;
-        const auto copy = [&](int from, int to) {
-            for (int row = 0; row < field_.components.count(); ++row) *field_.columns.at(row, to) = *field_.columns.at(row, from);
-        };
-        if (range_.first == 0) copy(1, 1 + links);
-        if (range_.last == links) copy(links, 0);
-    }
-
-protected:
-    [[nodiscard]] static V root_of(const V& depth) noexcept { return sqrt(positive_part<W>(depth)); }
-    /// Lanes of a group that represent links of the range: [first, last).
-    [[nodiscard]] static int first_lane(int group) noexcept { return std::max(0, -group); }
-    [[nodiscard]] int last_lane(int group, int count) const noexcept { return std::min({count, W, range_.last - range_.first - group}); }
-
     template <class Any>
     [[nodiscard]] GroupRows<W, Any> rows_of(ColumnsOf<Any>& columns, int group, int count) const noexcept {
-        return {columns.at(0, range_.first + group + range_.shift), columns.stride(), first_lane(group), last_lane(group, count)};
+        return {columns.at(0, range_.first + group + range_.shift), columns.stride(), std::max(0, -group),
+                std::min({count, W, range_.last - range_.first - group})};
     }
 
     /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.
@@ -201,7 +217,8 @@ protected:
     void branches(int group, int count, int corner) const noexcept {
         const int row = field_.components.tip(corner);
         const double v0 = c_.tip.friction.saturation_speed;
-        for (int lane = first_lane(group); lane < last_lane(group, count); ++lane) {
+        const Rows to = rows(group, count);
+        for (int lane = to.first; lane < to.last; ++lane) {
             const int link = range_.first + group + lane;
             const Phase phase = range_.phases[tips_per_link * link + corner];
             *field_.columns.at(row + Tip::least, link + range_.shift) = static_cast<float>(phase == Phase::slip ? slowest_single : v0);

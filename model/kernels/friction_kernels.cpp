@@ -1,8 +1,8 @@
-#include "model/basis/isa.hpp"
+#include "model/basis/native_lanes.hpp"
 #include "model/contact/stage_lanes.hpp"
 #include "model/contact/sweep_lanes.hpp"
+#include "model/kernels/kernels.hpp"
 #include "model/kernels/lane_pass.hpp"
-#include "model/kernels/native_kernels.hpp"
 #include "model/kernels/step_end.hpp"
 
 namespace cvtflow::model {
@@ -14,7 +14,7 @@ void record(const FrictionOperator& friction, const ChainRange& range, const Con
     const ChainModel& chain = friction.chain();
     using Contacts = ContactWriter<native_lanes>;
     const Contacts contacts(friction, range, drift, to, search);
-    LanePass<native_lanes, Contacts>(chain, friction.frictionless(), range, loads, contacts).run();
+    LanePass<native_lanes, Contacts>(chain, friction.frictionless(), range, nullptr, loads, contacts).run();
     contacts.repeat(chain.layout().links);
 }
 

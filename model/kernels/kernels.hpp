@@ -9,23 +9,21 @@
 
 namespace cvtflow::model {
 
-/// Functions of one instruction set.
-struct Kernels {
-    ChainKernels chain;
-    FrictionKernels friction;
-};
 struct RigidKernels;  // of rigid pins
 
-/// Specialised in native_kernels.cpp, which is compiled once per instruction set.
+/// Each is specialised in the source of its name, which is compiled once per instruction set.
 template <Isa isa>
-Kernels native_kernels() noexcept;
-/// Specialised in rigid_kernels.cpp, likewise.
+ChainKernels chain_kernels() noexcept;
+template <Isa isa>
+FrictionKernels friction_kernels() noexcept;
 template <Isa isa>
 RigidKernels rigid_kernels() noexcept;
 
+/// Functions of one instruction set.
 struct CompiledKernels {
     Isa isa;
-    Kernels (*halves)() noexcept;
+    ChainKernels (*chain)() noexcept;
+    FrictionKernels (*friction)() noexcept;
     RigidKernels (*rigid)() noexcept;
 };
 /// Whatever this program contains, ascending. The build writes this list (compiled_kernels.cpp.in).

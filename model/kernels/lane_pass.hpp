@@ -9,7 +9,6 @@
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
 #include "model/kernels/lane_tips.hpp"
-#include "model/kernels/observation_writer.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -29,23 +28,11 @@ public:
 
     /// slope [unknowns, per second]
     LanePass(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, const Contacts& contacts = {}) noexcept
-        : model_(model),
-          c_(model.coefficients()),
-          range_(range),
-          links_(range.last - range.first),
-          slope_(slope),
-          loads_(loads),
-          contacts_(contacts) {}
-    /// With coefficients of its own.
-    LanePass(const ChainModel& model, const Coefficients& coefficients, const ChainRange& range, LinkLoad* loads,
+        : LanePass(model, model.coefficients(), range, slope, loads, contacts) {}
+    /// With other coefficients than the model's.
+    LanePass(const ChainModel& model, const Coefficients& c, const ChainRange& range, double* slope, LinkLoad* loads,
              const Contacts& contacts) noexcept
-        : model_(model),
-          c_(coefficients),
-          range_(range),
-          links_(range.last - range.first),
-          slope_(nullptr),
-          loads_(loads),
-          contacts_(contacts) {}
+        : model_(model), c_(c), range_(range), links_(range.last - range.first), slope_(slope), loads_(loads), contacts_(contacts) {}
 
     void run() const noexcept {
         std::array<Columns, 2> columns;  // of this group and the one before, taking turns
@@ -74,11 +61,11 @@ public:
     }
 
     /// Joints of the pins behind the links `here`, the first of which is `group`.
-    [[nodiscard]] Joints joints_between(const Columns& earlier, const Columns& here, [[maybe_unused]] int group = 0) const noexcept {
+    [[nodiscard]] Joints joints_between(const Columns& earlier, const Columns& here, int group = 0) const noexcept {
         const JointPlace pins(earlier, here);
         const auto& points = c_.joint_points;
-        [[maybe_unused]] const auto rows = contacts_.rows(group, std::min(W, links_ - group));
-        if constexpr (Contacts::recorded) contacts_.gaps(rows, contacts_.components().joint_gap(), pins.rate);
+        const auto rows = contacts_.rows(group, std::min(W, links_ - group));
+        contacts_.gap(rows, AccountPart::joint, pins.rate);
         PointTerms total;
         V worst(0.0);
         Books books;
@@ -99,15 +86,14 @@ public:
         pairwise_sum<W>(points.count, points.width, pressed, total);
         Joints out;
         out.add(total.data());
-        if constexpr (observed) book_joints(total, of_point.factor, books);
+        contacts_.book_point(total, of_point, books);
         if (!all_at_most<W>(worst, 0.0)) hold(pins, worst, out, books);
-        if constexpr (observed) contacts_.book(AccountPart::joint, group, links_ - group, books);
+        contacts_.book(AccountPart::joint, group, links_ - group, books);
         return out;
     }
 
     /// Elasticity inside the links. Adds to f; returns moments about z.
-    [[nodiscard]] V inner(const KindLanes<W>& kind, int group, int count, const Columns& columns, V* f,
-                          [[maybe_unused]] Books& books) const noexcept {
+    [[nodiscard]] V inner(const KindLanes<W>& kind, int group, int count, const Columns& columns, V* f, Books& books) const noexcept {
         const V moment = inner_elasticity(c_, kind, columns.frame, columns.q(), columns.v(), f, books);
         if (!c_.longer.empty()) add_lengths(c_, lengths(group, count), columns.q(), f, books);
         return moment;
@@ -149,12 +135,9 @@ public:
         const KindLanes<W> kind = kinds(group, count);
         V moment = inner(kind, group, count, columns, f.data(), books);
         plates(kind, columns, f.data(), books, group, count);
-        if constexpr (observed) {
-            contacts_.book(AccountPart::link, group, count, books);
-            contacts_.tension(group, count, elastic_tension(c_, kind, columns.q()));
-        }
-        if constexpr (Contacts::recorded) contacts_.frame(group, count, columns.frame);
-        if constexpr (Contacts::recorded) contacts_.velocities(group, count, columns.v());
+        contacts_.book(AccountPart::link, group, count, books);
+        contacts_.tension(group, count, kind, columns.q());
+        contacts_.link(group, count, columns);
         rear.on_front.apply(-1.0, f.data(), End::rear);
         add_front(rear, next, f.data());
         moment += rear.after + after(rear.before, next.before);
@@ -187,12 +170,11 @@ public:
         return {load<W>(longer[0]), load<W>(longer[1])};
     }
 
-    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] Books& books, [[maybe_unused]] int group = 0,
-                [[maybe_unused]] int count = 0) const noexcept {
+    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, Books& books, int group = 0, int count = 0) const noexcept {
         const Difference<V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
         const auto& points = c_.plates;
-        [[maybe_unused]] const auto rows = contacts_.rows(group, count);
-        if constexpr (Contacts::recorded) contacts_.gaps(rows, contacts_.components().plate_gap(), rate);
+        const auto rows = contacts_.rows(group, count);
+        contacts_.gap(rows, AccountPart::link, rate);
         Difference<V> pull;
         for (int first = 0; first < points.count; first += points.width) {
             const auto pulled = [&](int plate) noexcept {
@@ -209,7 +191,7 @@ public:
             std::array<V, plate_rows<Books>> total;
             pairwise_sum<W>(std::min(points.width, points.count - first), points.width, pulled, total);
             pull.add(total.data());
-            if constexpr (observed) book_plates(total.data(), books);
+            contacts_.book_plates(total, books);
         }
         pull.apply(1.0, f, End::front);
         pull.apply(-1.0, f, End::rear);
@@ -217,10 +199,10 @@ public:
 
 private:
     /// Terms of a joint's point, with its energy and losses behind them where observed.
-    using PointTerms = std::array<V, Joints::rows + (observed ? ContactBooks<W>::numbers : 0)>;
+    using PointTerms = std::array<V, Joints::rows + Contacts::PointBooks::numbers>;
 
     [[nodiscard, gnu::always_inline]] static PointTerms with_books(const JointTerms<W>& terms,
-                                                                   [[maybe_unused]] const typename Contacts::PointBooks& books) noexcept {
+                                                                   const typename Contacts::PointBooks& books) noexcept {
         if constexpr (!observed) {
             return terms;
         } else {
@@ -228,9 +210,6 @@ private:
             std::copy_n(books.rows.begin(), books.rows.size(), std::copy(terms.begin(), terms.end(), all.begin()));
             return all;
         }
-    }
-    static void book_joints(const PointTerms& total, double factor, Books& books) noexcept {
-        ContactBooks<W>::book(&total[Joints::rows], factor, Energy::joints, Loss::joint_damping, Loss::joint_friction, books);
     }
 
     /// The links that meet in joints side by side, and how the front halves lie and move against the rear halves.
@@ -247,7 +226,7 @@ private:
     };
 
     /// The clearance of plate openings, in joints that exceed it somewhere: where `worst` is above 0.
-    void hold(const JointPlace& pins, const V& worst, Joints& out, [[maybe_unused]] Books& books) const noexcept {
+    void hold(const JointPlace& pins, const V& worst, Joints& out, Books& books) const noexcept {
         const auto& points = c_.joint_points;
         PointTerms total;
         typename Contacts::PointBooks of_point;
@@ -260,7 +239,7 @@ private:
         pairwise_sum<W>(points.count, points.width, held, total);
         for (V& row : total) row = select_greater<W>(worst, V(0.0), row, V(0.0));
         out.add(total.data());
-        if constexpr (observed) book_joints(total, of_point.factor, books);
+        contacts_.book_point(total, of_point, books);
     }
 
     /// The lane before each lane.

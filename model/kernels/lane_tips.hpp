@@ -8,8 +8,8 @@
 
 #include "model/chain/chain_model.hpp"
 #include "model/force/tips.hpp"
+#include "model/kernels/contact_writer.hpp"
 #include "model/kernels/link_lanes.hpp"
-#include "model/kernels/observation_writer.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -22,7 +22,6 @@ public:
     using Columns = LinkColumns<W>;
     using Reaction = TipReaction<V>;
     static constexpr int size = link_layout.link_size();
-    static constexpr bool observed = Contacts::Books::observed;
 
     /// @param count links that the lanes represent, from the first
     LaneTips(const Coefficients& c, const ChainRange& range, int first, int count, const Contacts& contacts) noexcept
@@ -42,7 +41,7 @@ public:
         if (searches) find_near(columns);
         if (any_ == 0) {
             if (searches) keep_phases();
-            if constexpr (Contacts::recorded) contacts_.no_tips(group_, count_);
+            contacts_.no_tips(group_, count_);
             return;
         }
         std::array<SheaveMotionLanes<W>, 2> sheaves;
@@ -60,21 +59,11 @@ public:
             keep_phases();
             check_limits(columns, shaft);
         }
-        if constexpr (observed) book();
+        contacts_.book_tips(group_, count_, books_);
         write(rear, front, shaft, loads);
     }
 
 private:
-    /// Sums over the tips in the tree of sum().
-    void book() const noexcept {
-        std::array<V, ContactBooks<W>::numbers> total;
-        for (std::size_t row = 0; row < total.size(); ++row)
-            total[row] = (books_[0].rows[row] + books_[2].rows[row]) + (books_[1].rows[row] + books_[3].rows[row]);
-        typename Contacts::Books books;
-        ContactBooks<W>::book(total.data(), books_[0].factor, Energy::tips, Loss::tip_damping, Loss::tip_friction, books);
-        contacts_.book(AccountPart::tips, group_, count_, books);
-    }
-
     /// Both tips of a half: adds their forces to share, returns their moments.
     template <End end>
     [[nodiscard]] std::array<V, 2> pair(const Columns& columns, const std::array<SheaveMotionLanes<W>, 2>& sheaves, const V& shaft,
@@ -87,7 +76,7 @@ private:
 
     template <class Corner>
     [[nodiscard]] TipAction<V> tip(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves,
-                                   [[maybe_unused]] const V& shaft, Reaction& reaction) noexcept {
+                                   const V& shaft, Reaction& reaction) noexcept {
         const auto sheave = [&] {
             if constexpr (Rigid)
                 return rigid_sheaves_at(corner, sheaves);
@@ -97,10 +86,7 @@ private:
         const auto geometry = tip_geometry(c_, corner, columns.frame, columns.q(), sheave);
         const auto motion = tip_motion(c_, corner, columns.frame, columns.v(), sheave, geometry);
         const auto forces = forces_of(number, geometry, motion);
-        if constexpr (Contacts::recorded)
-            contacts_.tip(group_, count_, number, geometry, motion, forces.normal, sheaves[number % 2], shaft);
-        if constexpr (observed)
-            contacts_.tip(group_, words_, static_cast<std::size_t>(number), geometry, motion, forces, shaft, shaft * c_.centre_distance);
+        contacts_.tip(TipLinks<W>{group_, count_, words_}, number, geometry, motion, forces, sheaves[number % 2], shaft);
         reaction = tip_reaction(geometry, motion, forces);
         return tip_action(c_, columns.frame, geometry, motion, forces);
     }

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "model/chain/chain_model.hpp"
+#include "model/force/plates.hpp"
 #include "model/force/tips.hpp"
 #include "model/kernels/contact_writer.hpp"
 #include "model/kernels/link_lanes.hpp"
@@ -61,7 +62,27 @@ public:
     using PointBooks = ContactBooks<W>;
 
     /// Both of the range's first link on. @param contacts nullptr: not needed
-    ObservationWriter(Account* accounts, LinkContact* contacts) noexcept : accounts_(accounts), contacts_(contacts) {}
+    ObservationWriter(const Coefficients& c, Account* accounts, LinkContact* contacts) noexcept
+        : c_(c), accounts_(accounts), contacts_(contacts) {}
+
+    /// Books sums over the points of a joint. @param total terms of its force, then those of `of_point`
+    template <std::size_t rows>
+    static void book_point(const std::array<V, rows>& total, const PointBooks& of_point, Books& books) noexcept {
+        PointBooks::book(&total[rows - PointBooks::numbers], of_point.factor, Energy::joints, Loss::joint_damping, Loss::joint_friction,
+                         books);
+    }
+    static void book_plates(const std::array<V, plate_rows<Books>>& total, Books& books) noexcept {
+        model::book_plates(total.data(), books);
+    }
+    /// Books tips, summed in the tree of sum().
+    void book_tips(int group, int count, const std::array<PointBooks, tips_per_link>& of_tips) const noexcept {
+        std::array<V, PointBooks::numbers> total;
+        for (std::size_t row = 0; row < total.size(); ++row)
+            total[row] = (of_tips[0].rows[row] + of_tips[2].rows[row]) + (of_tips[1].rows[row] + of_tips[3].rows[row]);
+        Books books;
+        PointBooks::book(total.data(), of_tips[0].factor, Energy::tips, Loss::tip_damping, Loss::tip_friction, books);
+        book(AccountPart::tips, group, count, books);
+    }
 
     void book(AccountPart part, int group, int count, const Books& books) const noexcept {
         alignas(64) double column[W][Books::numbers];
@@ -77,16 +98,20 @@ public:
     }
 
     /// Links that carry a tension, and no tips so far.
-    void tension(int group, int count, const V& sum) const noexcept {
+    void tension(int group, int count, const KindLanes<W>& kind, const V* q) const noexcept {
         if (contacts_ == nullptr) return;
+        const V sum = elastic_tension(c_, kind, q);
         for (int lane = 0; lane < std::min(count, W); ++lane) contacts_[group + lane] = {.tension = sum[static_cast<std::size_t>(lane)]};
     }
 
-    /// A tip of links that touch somewhere. @param words phases of each link, 0: it touches nowhere   @param shaft_x of its axis [m]
-    template <class Geometry>
-    void tip(int group, const std::array<std::uint32_t, W>& words, std::size_t corner, const Geometry& g, const TipMotion<V>& m,
-             const TipForces<V>& t, const V& shaft, const V& shaft_x) const noexcept {
+    /// A tip of links that touch somewhere.
+    void tip(const TipLinks<W>& links, int number, const TipGeometry<V>& g, const TipMotion<V>& m, const TipForces<V>& t,
+             const SheaveMotionLanes<W>&, const V& shaft) const noexcept {
         if (contacts_ == nullptr) return;
+        const int group = links.group;
+        const auto& words = links.touches;
+        const auto corner = static_cast<std::size_t>(number);
+        const V shaft_x = shaft * c_.centre_distance;
         const auto put = [&](double(LinkContact::*number)[tips_per_link], const V& lanes) {
             for (std::size_t lane = 0; lane < W; ++lane) {
                 if (words[lane] != 0) (contacts_[group + static_cast<int>(lane)].*number)[corner] = lanes[lane];
@@ -116,6 +141,7 @@ public:
     }
 
 private:
+    const Coefficients& c_;
     Account* accounts_;
     LinkContact* contacts_;
 };

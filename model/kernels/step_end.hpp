@@ -8,7 +8,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "model/contact/friction_stage.hpp"
+#include "model/contact/contact_field.hpp"
 #include "model/kernels/link_lanes.hpp"
 
 namespace cvtflow::model {
@@ -124,7 +124,7 @@ inline void add_reactions(const TipReactions& r, const std::array<Lanes<W>, 3 * 
     }
 }
 
-/// SweepKernels::react. A free tip has no friction.
+/// FrictionKernels::react. A free tip has no friction.
 inline void react(const TipReactions& r, int links) noexcept {
     constexpr int W = native_floats;
     for (int group = 0; group < links; group += W) {

@@ -142,14 +142,14 @@ void right_hand_side(const Variator& variator, double t, const double* state, co
 ChainModel make_chain(const Parameters& parameters, Isa isa) {
     Coefficients coefficients(parameters);
     const LinkInertia inertia = link_inertia(parameters);
-    if (parameters.detail.pins != PinDetail::rigid) return {std::move(coefficients), inertia, isa, kernels_of(isa).halves().chain, nullptr};
+    if (parameters.detail.pins != PinDetail::rigid) return {std::move(coefficients), inertia, isa, kernels_of(isa).chain(), nullptr};
     auto rigid = std::make_shared<const RigidChain>(parameters, isa);
     coefficients.tip.law = rigid->model().coefficients().tip_law;
     return {std::move(coefficients), inertia, isa, RigidChain::kernels(), std::move(rigid)};
 }
 
 FrictionOperator make_friction(const ChainModel& chain, bool by_phase) {
-    return {chain, by_phase, kernels_of(chain.isa()).halves().friction};
+    return {chain, by_phase, kernels_of(chain.isa()).friction()};
 }
 
 }  // namespace cvtflow::model

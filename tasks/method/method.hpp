@@ -55,7 +55,7 @@ struct MethodProgram {
     MethodReach reach = {};                    ///< derived by bench/method/stability; a test compares
     double longest_step = usual_longest_step;  ///< longest automatic step with pin halves [s]
     bool holds_links = false;                  ///< links are held (model::HeldLinks), so that steps can be longer
-    bool estimates_error = false;              ///< StepMethod::error_power() is not 0
+    bool estimates_error = false;              ///< StepMethod::error_estimate() has a power
     int revision = 1;  ///< raised whenever a step computes otherwise, so that no checkpoint of the former method is continued
     /// Setting that it requires and parameters do not have; empty: none.
     std::string_view (*missing)(const model::Parameters& parameters) = [](const model::Parameters&) { return std::string_view(); };

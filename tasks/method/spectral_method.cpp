@@ -13,44 +13,37 @@ constexpr double check_interval = 1e-4;  // s
 
 }  // namespace
 
-void SpectralMethod::check_spectrum() {
-    Workspace& w = workspace();
-    if (std::abs(w.step.time - checked_) < check_interval) return;
-    w.step.evaluations += bound_.estimate(w.step.time, w.states[0], w.tips.phases.data());
-    checked_ = w.step.time;
+void SpectralChoice::check_spectrum() {
+    if (std::abs(w_.step.time - checked_) < check_interval) return;
+    w_.step.evaluations += bound_.estimate(w_.step.time, w_.states[0], w_.tips.phases.data());
+    checked_ = w_.step.time;
 }
 
 /// Estimates the spectrum anew after a rejected step.
-void SpectralMethod::prepare(bool again) {
+const engine::CompiledPlan& SpectralChoice::choose(bool again) {
     if (again) checked_ = -1e300;
     check_spectrum();
-    choose(workspace().step.h);
+    return stable_plan(w_.step.h);
 }
 
-void SpectralMethod::restart() noexcept {
-    StageMethod::restart();
+void SpectralChoice::restart() noexcept {
     bound_.forget();
     checked_ = -1e300;
 }
 
-double SpectralMethod::longest_step(double requested) {
+double SpectralChoice::longest_step(double requested) {
     check_spectrum();
     return longest(requested);
 }
 
-void SpectralMethod::save(std::vector<double>& memory) const {
-    std::vector<double> slope;
-    StageMethod::save(slope);
-    memory.assign(1, checked_);
+void SpectralChoice::save(std::vector<double>& memory) const {
+    memory.push_back(checked_);
     bound_.save(memory);
-    memory.insert(memory.end(), slope.begin(), slope.end());
 }
 
-void SpectralMethod::load(std::span<const double> memory) {
-    if (memory.empty()) return;
-    checked_ = pop_front(memory, own_memory)[0];
-    memory = bound_.load(memory);
-    StageMethod::load(memory);
+std::span<const double> SpectralChoice::load(std::span<const double> memory) {
+    checked_ = pop_front(memory, 1)[0];
+    return bound_.load(memory);
 }
 
 std::size_t table_for(const Ladder& ladder, double real) noexcept {
@@ -59,9 +52,9 @@ std::size_t table_for(const Ladder& ladder, double real) noexcept {
     return first;
 }
 
-void LadderMethod::choose(double h) { use(tables_[table_for(tables_, real() * h)].plan); }
+const engine::CompiledPlan& LadderChoice::stable_plan(double h) { return tables_[table_for(tables_, real() * h)].plan; }
 
-double LadderMethod::longest(double requested) {
+double LadderChoice::longest(double requested) {
     const double free = std::min(requested, tables_.back().real / real());
     const std::size_t first = table_for(tables_, real() * free);
     const auto within = [&](std::size_t k, double h) {
@@ -82,8 +75,10 @@ Ladder dumka3_ladder() {
     return tables;
 }
 
-std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace) {
-    return std::make_unique<LadderMethod>(workspace, 3, dumka3_ladder());
+std::unique_ptr<StepMethod> by_ladder(Workspace& workspace, int error_power, Ladder tables) {
+    return std::make_unique<StageMethod>(workspace, error_power, std::make_unique<LadderChoice>(workspace, std::move(tables)));
 }
+
+std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace) { return by_ladder(workspace, 3, dumka3_ladder()); }
 
 }  // namespace cvtflow::tasks

@@ -10,34 +10,32 @@
 namespace cvtflow::tasks {
 
 /// Keeps an estimate of the spectrum up to date: at the start, every tenth of a millisecond, after a rejected step.
-class SpectralMethod : public StageMethod {
+class SpectralChoice : public PlanChoice {
 public:
     /// Factors on the extents of the spectrum, because it is estimated from below and changes within a tenth of a millisecond.
     static constexpr double real_margin = 1.2, imaginary_margin = 1.15;  ///< [1]
 
-    void restart() noexcept override;
+    [[nodiscard]] const engine::CompiledPlan& choose(bool again) final;
     [[nodiscard]] double longest_step(double requested) final;  ///< [s]
+    void restart() noexcept override;
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;                         ///< @param memory from save()
-    [[nodiscard]] long observation_stride() const noexcept final { return 8; }  // of a dozen evaluations and more each
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory) override;
 
 protected:
-    SpectralMethod(Workspace& workspace, int error_power) : StageMethod(workspace, error_power), bound_(workspace.variator) {}
+    explicit SpectralChoice(Workspace& workspace) : w_(workspace), bound_(workspace.variator) {}
 
-    /// use() a plan that is stable for a step of this length. h [s]
-    virtual void choose(double h) = 0;
+    /// A plan that is stable for a step of this length. h [s]
+    [[nodiscard]] virtual const engine::CompiledPlan& stable_plan(double h) = 0;
     /// longest_step() while the estimate is up to date [s].
     [[nodiscard]] virtual double longest(double requested) = 0;
 
     [[nodiscard]] double real() const noexcept { return real_margin * bound_.real(); }
     [[nodiscard]] double imaginary() const noexcept { return imaginary_margin * bound_.imaginary(); }
 
-    void prepare(bool again) final;
-
 private:
     void check_spectrum();
-    static constexpr std::size_t own_memory = 1;
 
+    Workspace& w_;
     SpectralBound bound_;
     double checked_ = -1e300;  ///< time of the last estimate [s]
 };
@@ -58,19 +56,19 @@ using Ladder = std::vector<PolynomialRange>;
 /// The first polynomial that is stable on the real axis; where steps are free, also the rule of DUMKA3: the one before it with a shorter
 /// step if that is cheaper per time. A free step is also kept within the imaginary reach, which the published rule ignores. Source of the
 /// rule: A. A. Medovikov's program; High order explicit methods for parabolic equations, BIT 38 (1998) 372-390.
-class LadderMethod final : public SpectralMethod {
+class LadderChoice final : public SpectralChoice {
 public:
-    LadderMethod(Workspace& workspace, int error_power, Ladder tables)
-        : SpectralMethod(workspace, error_power), tables_(std::move(tables)) {}
+    LadderChoice(Workspace& workspace, Ladder tables) : SpectralChoice(workspace), tables_(std::move(tables)) {}
 
 protected:
-    void choose(double h) override;                           ///< h [s]
-    [[nodiscard]] double longest(double requested) override;  ///< [s]
+    [[nodiscard]] const engine::CompiledPlan& stable_plan(double h) override;  ///< h [s]
+    [[nodiscard]] double longest(double requested) override;                   ///< [s]
 
 private:
     Ladder tables_;
 };
 
+[[nodiscard]] std::unique_ptr<StepMethod> by_ladder(Workspace& workspace, int error_power, Ladder tables);
 [[nodiscard]] std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace);
 
 }  // namespace cvtflow::tasks

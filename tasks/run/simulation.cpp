@@ -242,7 +242,7 @@ std::unique_ptr<Integrator> integrator_of(const Scene& scene, const std::vector<
     } catch (const MethodRefused& refused) {
         throw SimulationError(fmt::format("run.method: {}", refused.what()));
     }
-    if (scene.run.step_control != StepControl::fixed && integrator->method().error_power() == 0) {
+    if (scene.run.step_control != StepControl::fixed && integrator->method().error_estimate().power == 0) {
         throw SimulationError(
             fmt::format("run.step_control: '{}' has no error estimate; only \"fixed\" steps are possible (cvtflow list methods --all)",
                         integrator->chosen_method().name()));

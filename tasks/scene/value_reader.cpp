@@ -26,27 +26,16 @@ struct Rule {
 /// " m", or nothing for a plain number.
 std::string suffix(std::string_view unit) { return unit == "1" ? std::string{} : fmt::format(" {}", unit); }
 
-std::string written(const Node& node) {
-    return std::visit(
-        [](const auto& value) -> std::string {
-            using T = std::decay_t<decltype(value)>;
-            if constexpr (std::is_same_v<T, Date>)
-                return "a date or time";
-            else if constexpr (std::is_same_v<T, bool>)
-                return value ? "true" : "false";
-            else if constexpr (std::is_same_v<T, std::int64_t>)
-                return std::to_string(value);
-            else if constexpr (std::is_same_v<T, double>)
-                return std::isfinite(value) ? number_text(value) : fmt::format("{}", value);
-            else if constexpr (std::is_same_v<T, std::string>)
-                return toml_text(value);
-            else if constexpr (std::is_same_v<T, Node::Array>)
-                return "a list";
-            else
-                return "a table";
-        },
-        node.value);
-}
+struct Written {
+    std::string operator()(const auto& /*table*/) const { return "a table"; }
+    std::string operator()(const Date&) const { return "a date or time"; }
+    std::string operator()(bool value) const { return value ? "true" : "false"; }
+    std::string operator()(std::int64_t value) const { return std::to_string(value); }
+    std::string operator()(double value) const { return std::isfinite(value) ? number_text(value) : fmt::format("{}", value); }
+    std::string operator()(const std::string& value) const { return toml_text(value); }
+    std::string operator()(const Node::Array&) const { return "a list"; }
+};
+std::string written(const Node& node) { return std::visit(Written(), node.value); }
 
 /// A number that shows that it is not an integer: 84.0.
 std::string real_text(double number) {

@@ -34,8 +34,9 @@ void close_evaluation(Workspace& w) noexcept {
 
 CycleSequence StageMethod::step() {
     slope_at_ = slope_now();
-    prepare(w_.step.time == std::exchange(begun_, w_.step.time));
     bring_slope();
+    const bool again = w_.step.time == std::exchange(begun_, w_.step.time);
+    if (choice_ != nullptr) plan_ = &choice_->choose(again);
     for (int stage = slope_at_ == SlopeAt::start && plan_->stages() > 1 ? 1 : 0; stage < plan_->stages(); ++stage) {
         prepare_stage(plan_->stage(stage));
         co_yield evaluate_cycle;
@@ -53,26 +54,25 @@ void StageMethod::bring_slope() noexcept {
     slope_at_ = SlopeAt::start;
 }
 
-void StageMethod::use(const engine::CompiledPlan& plan) noexcept {
-    bring_slope();
-    plan_ = &plan;
-}
-
-std::optional<engine::PlanStep> StageMethod::error_row() const noexcept {
-    if (!plan_->has_error()) return {};
-    return plan_->error();
+void StageMethod::restart() noexcept {
+    StageMethod::phases_changed();
+    plan_ = &w_.plan;
+    if (choice_ != nullptr) choice_->restart();
 }
 
 /// The slope at the state, if it is known.
 void StageMethod::save(std::vector<double>& memory) const {
     memory.clear();
+    if (choice_ != nullptr) choice_->save(memory);
     if (slope_now() == SlopeAt::nowhere) return;
     const int slot = slope_now() == SlopeAt::start ? 0 : plan_->stage(plan_->stages() - 1).slope;
     const double* slope = w_.slopes[static_cast<std::size_t>(slot)];
-    memory.assign(slope, slope + w_.layout().size());
+    memory.insert(memory.end(), slope, slope + w_.layout().size());
 }
 
 void StageMethod::load(std::span<const double> memory) {
+    if (memory.empty()) return;
+    if (choice_ != nullptr) memory = choice_->load(memory);
     if (memory.empty()) return;
     const auto slope = pop_front(memory, static_cast<std::size_t>(w_.layout().size()));
     std::copy(slope.begin(), slope.end(), w_.slopes[0]);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +14,12 @@
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
+
+/// Estimate of the local error of a step.
+struct ErrorEstimate {
+    int power = 0;           ///< power of the step to which it is proportional; 0: the method estimates none
+    engine::PlanStep row{};  ///< row that combines it from the slots once the step is done
+};
 
 class StepMethod {
 public:
@@ -38,10 +45,7 @@ public:
     /// Tips have changed their phase since the last step.
     virtual void phases_changed() noexcept { restart(); }
 
-    /// Row that combines the estimate of the local error from the slots once the step is done; nothing: the method makes none.
-    [[nodiscard]] virtual std::optional<engine::PlanStep> error_row() const noexcept { return {}; }
-    /// Power of the step to which the estimate is proportional; 0 without an estimate.
-    [[nodiscard]] virtual int error_power() const noexcept { return 0; }
+    [[nodiscard]] virtual ErrorEstimate error_estimate() const noexcept { return {}; }
     /// Longest step that the method can take now, at most `requested` [s]. Called before a step of free length.
     [[nodiscard]] virtual double longest_step(double requested) { return requested; }
 
@@ -82,35 +86,50 @@ void close_evaluation(Workspace& workspace) noexcept;
 /// The next number as one of first … last. @throws std::invalid_argument if it is out of range
 [[nodiscard]] int pop_integer(std::span<const double>& memory, int first, int last);
 
+/// Chooses the plan of every step of a StageMethod.
+class PlanChoice {
+public:
+    virtual ~PlanChoice() = default;
+
+    /// Plan for the step from workspace.step.time over workspace.step.h, valid until the next call; the workspace must have its slots.
+    /// @param again the last step once more, shorter
+    [[nodiscard]] virtual const engine::CompiledPlan& choose(bool again) = 0;
+    /// StepMethod::longest_step() [s].
+    [[nodiscard]] virtual double longest_step(double requested) = 0;
+
+    /// Memory between steps (StepMethod::save): save() appends, load() returns the rest.
+    virtual void restart() noexcept = 0;
+    virtual void save(std::vector<double>& memory) const = 0;
+    [[nodiscard]] virtual std::span<const double> load(std::span<const double> memory) = 0;
+};
+
 /// A step by a table of stages (engine::CompiledPlan): one evaluate cycle per stage. Where the last stage is evaluated at the result, its
 /// slope is the next step's first, unless a transition or a caller has changed the state in between; where a step was rejected, its
 /// first slope still holds. Neither is evaluated again.
-class StageMethod : public StepMethod {
+class StageMethod final : public StepMethod {
 public:
-    /// Uses the workspace's plan. @param error_power of its error estimate
-    explicit StageMethod(Workspace& workspace, int error_power = 0) noexcept
-        : w_(workspace), plan_(&workspace.plan), error_power_(error_power) {}
+    /// @param error_power of its error estimate   @param choice of the plan; nullptr: the workspace's
+    explicit StageMethod(Workspace& workspace, int error_power = 0, std::unique_ptr<PlanChoice> choice = nullptr) noexcept
+        : w_(workspace), choice_(std::move(choice)), plan_(&workspace.plan), error_power_(error_power) {}
 
     [[nodiscard]] CycleSequence step() override;
-    void restart() noexcept override {
+    void restart() noexcept override;
+    void phases_changed() noexcept override {
         slope_at_ = SlopeAt::nowhere;
         begun_ = never;
     }
-    void phases_changed() noexcept override { StageMethod::restart(); }
+    [[nodiscard]] double longest_step(double requested) override {
+        return choice_ == nullptr ? requested : choice_->longest_step(requested);
+    }
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return 0; }  // all stages are in the workspace
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< @param memory from save()
-    [[nodiscard]] std::optional<engine::PlanStep> error_row() const noexcept override;
-    [[nodiscard]] int error_power() const noexcept override { return error_power_; }
-    [[nodiscard]] long observation_stride() const noexcept override { return std::max(1L, 100L / w_.plan.stages()); }
-
-protected:
-    /// Called at the beginning of a step. @param again the last step once more, shorter
-    virtual void prepare(bool again) { (void)again; }
-    /// Takes the following steps with another plan, whose slots the workspace must have. The slope at the start stays good.
-    void use(const engine::CompiledPlan& plan) noexcept;
-
-    [[nodiscard]] Workspace& workspace() noexcept { return w_; }
+    [[nodiscard]] ErrorEstimate error_estimate() const noexcept override {
+        return {error_power_, plan_->has_error() ? plan_->error() : engine::PlanStep{}};
+    }
+    [[nodiscard]] long observation_stride() const noexcept override {
+        return choice_ != nullptr ? 8L : std::max(1L, 100L / w_.plan.stages());  // a chosen plan has a dozen stages and more
+    }
 
 private:
     /// Place of the slope at the next step's start: slope slot 0, or the last stage's.
@@ -123,7 +142,8 @@ private:
     [[nodiscard]] SlopeAt slope_now() const noexcept { return w_.step.time == begun_ ? SlopeAt::start : slope_at_; }
 
     Workspace& w_;
-    const engine::CompiledPlan* plan_;
+    const std::unique_ptr<PlanChoice> choice_;
+    const engine::CompiledPlan* plan_;  ///< plan of the present or last step
     int error_power_;
     double begun_ = never;  ///< begin of the last step; never: no step since restart() [s]
     SlopeAt slope_at_ = SlopeAt::nowhere;

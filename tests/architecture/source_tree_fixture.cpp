@@ -228,7 +228,7 @@ std::vector<FunctionBody> functions_of(const std::string& text) {
             while (begin < i && std::isspace(static_cast<unsigned char>(code[begin])) != 0) ++begin;
             const std::size_t end = closing_brace(code, i);
             const int line = line_of(code, begin);
-            if (kind == Block::function) functions.push_back({head, line, line_of(code, end) - line + 1});
+            if (kind == Block::function) functions.push_back({head, line, line_of(code, end) - line + 1, code.substr(i, end - i)});
             i = end;
         }
         begin = i + 1;

@@ -29,6 +29,7 @@ struct FunctionBody {
     std::string head;  ///< first line
     int line;          ///< line number of the head, from 1
     int lines;         ///< number of lines from head to closing brace
+    std::string body;  ///< text between the braces, without comments and literals
 };
 
 /// A function at namespace or class scope that other files may call.

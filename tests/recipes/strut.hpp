@@ -31,7 +31,7 @@ struct FurtherElement {
 
     /// Pin halves: adds to the generalized forces f of a link with velocities v, and to its moment about z, which a strut has none of.
     template <class Real, class Books>
-    static void of_halves(const LinkFrameOf<Real>& frame, const Real* v, Real* f, Real&, [[maybe_unused]] Books& books) noexcept {
+    static void of_halves(const LinkFrameOf<Real>& frame, const Real* v, Real* f, Real&, Books& books) noexcept {
         constexpr int xa = link_layout.x(End::rear, 0), ya = link_layout.y(End::rear, 0), xb = link_layout.x(End::front, 0),
                       yb = link_layout.y(End::front, 0);
         const Strut<Real> strut(1.0 / frame.inverse_length, (v[xb] - v[xa]) * frame.tx + (v[yb] - v[ya]) * frame.ty);
@@ -40,10 +40,8 @@ struct FurtherElement {
         f[yb] -= fy;
         f[xa] += fx;
         f[ya] += fy;
-        if constexpr (Books::observed) {
-            books.store(Energy::pack, strut.energy);
-            books.lose(Loss::inner, strut.power);
-        }
+        books.store(Energy::pack, strut.energy);
+        books.lose(Loss::inner, strut.power);
     }
 
     /// Rigid pins: adds to the pull of links i … on their front halves; the rear halves get the opposite.

@@ -1,15 +1,16 @@
 # The kernels, one source for every instruction set; which one runs is chosen at the start of a run (model/kernels/available_isas.hpp).
 # Whatever is not in an unnamed namespace would be shared between them by the linker: tests/architecture looks at their symbols.
-set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/kernels/native_kernels.cpp
-  model/rigid/rigid_kernels.cpp)
+set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/rigid/rigid_kernels.cpp)
 set(CVTFLOW_KERNEL_ROWS "")
 set(CVTFLOW_KERNEL_DECLARATIONS "")
 foreach(isa ${isas})
   add_library(cvtflow_kernels_${isa} OBJECT ${kernel_sources})
   cvtflow_kernels(cvtflow_kernels_${isa} ${isa})
-  string(APPEND CVTFLOW_KERNEL_DECLARATIONS "template <>\nKernels native_kernels<Isa::${isa}>() noexcept;\n"
+  string(APPEND CVTFLOW_KERNEL_DECLARATIONS "template <>\nChainKernels chain_kernels<Isa::${isa}>() noexcept;\n"
+    "template <>\nFrictionKernels friction_kernels<Isa::${isa}>() noexcept;\n"
     "template <>\nRigidKernels rigid_kernels<Isa::${isa}>() noexcept;\n")
-  string(APPEND CVTFLOW_KERNEL_ROWS "        {Isa::${isa}, native_kernels<Isa::${isa}>, rigid_kernels<Isa::${isa}>},\n")
+  string(APPEND CVTFLOW_KERNEL_ROWS
+    "        {Isa::${isa}, chain_kernels<Isa::${isa}>, friction_kernels<Isa::${isa}>, rigid_kernels<Isa::${isa}>},\n")
   list(APPEND kernel_parts cvtflow_kernels_${isa})
 endforeach()
 configure_file(model/kernels/compiled_kernels.cpp.in ${PROJECT_BINARY_DIR}/compiled_kernels.cpp @ONLY)

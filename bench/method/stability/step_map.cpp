@@ -325,8 +325,8 @@ public:
     explicit Extents(const LinearChain& chain) : bound_(chain.variator()) {
         (void)bound_.estimate(chain.start().time, chain.start().state.data(), chain.start().phases.data());
     }
-    [[nodiscard]] double real() const noexcept { return SpectralMethod::real_margin * bound_.real(); }
-    [[nodiscard]] double imaginary() const noexcept { return SpectralMethod::imaginary_margin * bound_.imaginary(); }
+    [[nodiscard]] double real() const noexcept { return SpectralChoice::real_margin * bound_.real(); }
+    [[nodiscard]] double imaginary() const noexcept { return SpectralChoice::imaginary_margin * bound_.imaginary(); }
 
 private:
     SpectralBound bound_;

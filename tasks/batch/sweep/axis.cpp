@@ -20,43 +20,34 @@ namespace {
 
 /// A level of detail is none: its text sets other keys.
 template <class T>
-constexpr bool is_number = std::is_arithmetic_v<T> || (std::is_enum_v<T> && !std::is_same_v<T, DetailLevel>);
+concept Number = std::is_arithmetic_v<T> ||(std::is_enum_v<T> && !std::is_same_v<T, DetailLevel>);
+template <class T>
+concept Integer = Number<T> && std::is_integral_v<T>;
 
 /// The number that a member holds, if it is a single one.
-template <class T>
-[[nodiscard]] bool single(const T& member, double& number) {
-    if constexpr (is_number<T>) {
-        number = static_cast<double>(member);
-        return true;
-    } else if constexpr (std::is_same_v<T, AutoNumber>) {
-        number = member;
-        return !member.automatic();
-    } else if constexpr (std::is_same_v<T, std::vector<double>>) {
-        if (member.size() != 1) return false;
-        number = member.front();
-        return true;
-    } else if constexpr (std::is_same_v<T, model::TimeTable>) {
-        if (member.time.size() != 1) return false;
-        number = member.value.front();
-        return true;
-    }
-    return false;
+[[nodiscard]] std::optional<double> single(const auto& /*member*/) { return {}; }
+[[nodiscard]] std::optional<double> single(const Number auto& number) { return static_cast<double>(number); }
+[[nodiscard]] std::optional<double> single(const AutoNumber& number) {
+    return number.automatic() ? std::optional<double>() : static_cast<double>(number);
+}
+[[nodiscard]] std::optional<double> single(const std::vector<double>& list) {
+    return list.size() == 1 ? list.front() : std::optional<double>();
+}
+[[nodiscard]] std::optional<double> single(const model::TimeTable& table) {
+    return table.time.size() == 1 ? table.value.front() : std::optional<double>();
 }
 
-template <class T>
-void set_number(T& member, double number) {
-    if constexpr (std::is_same_v<T, bool>) {
-        member = number != 0.0;
-    } else if constexpr (std::is_integral_v<T>) {
-        member = static_cast<T>(std::llround(number));
-    } else if constexpr (is_number<T> || std::is_same_v<T, AutoNumber>) {
-        member = static_cast<T>(number);
-    } else if constexpr (std::is_same_v<T, std::vector<double>>) {
-        member.assign(1, number);
-    } else if constexpr (std::is_same_v<T, model::TimeTable>) {
-        member.time.assign(1, 0.0);
-        member.value.assign(1, number);
-    }
+void set_number(auto& /*member*/, double) {}
+void set_number(Number auto& member, double number) { member = static_cast<std::remove_reference_t<decltype(member)>>(number); }
+void set_number(Integer auto& member, double number) {
+    member = static_cast<std::remove_reference_t<decltype(member)>>(std::llround(number));
+}
+void set_number(bool& member, double number) { member = number != 0.0; }
+void set_number(AutoNumber& member, double number) { member = AutoNumber(number); }
+void set_number(std::vector<double>& member, double number) { member.assign(1, number); }
+void set_number(model::TimeTable& member, double number) {
+    member.time.assign(1, 0.0);
+    member.value.assign(1, number);
 }
 
 /// The value that `node` gives a key; nothing, with a problem appended, if it is invalid.
@@ -65,9 +56,8 @@ std::optional<AxisValue> axis_value(const Parameter& parameter, const Node& node
     const std::size_t before = problems.size();
     read_value(parameter, node, scratch, problems);
     if (problems.size() != before) return {};
-    double number = 0.0;
-    const bool one = std::visit([&](const auto* member) { return single(*member, number); }, parameter.member(scratch));
-    return one ? AxisValue(number) : AxisValue(value_text(parameter, scratch));
+    const auto number = std::visit([](const auto* member) { return single(*member); }, parameter.member(scratch));
+    return number ? AxisValue(*number) : AxisValue(value_text(parameter, scratch));
 }
 
 /// Uniform in [0, 1): 53 bits of the generator, whose sequence the standard fixes (that of its distributions it does not).

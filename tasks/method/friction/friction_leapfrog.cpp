@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "model/basis/portable_math.hpp"
+#include "model/contact/friction_stage.hpp"
 #include "tasks/step/step_graph.hpp"
 
 namespace cvtflow::tasks {
@@ -24,13 +25,6 @@ constexpr int first_iterations = 50, next_iterations = 4;
 
 [[nodiscard]] double square(double x) noexcept { return x * x; }
 
-/// Rows of all fields: velocities, mean forces of tips, velocities by slot, two bases, slope, mode, image.
-[[nodiscard]] std::vector<int> rows_of_fields(int size) {
-    std::vector<int> rows(2 + kick_state_slots + 5, size);
-    rows[1] = 3 * model::tips_per_link;
-    return rows;
-}
-
 /// The first link with an unknown that is not finite, if there is one.
 [[nodiscard]] std::optional<int> first_not_finite(const Workspace& w) noexcept {
     const model::ChainLayout& at = w.layout();
@@ -43,25 +37,72 @@ constexpr int first_iterations = 50, next_iterations = 4;
 
 }  // namespace
 
+FrictionSpectrum::FrictionSpectrum(KickSystem& kick, std::size_t mode, std::size_t edges)
+    : kick_(kick), mode_(mode), edges_(edges), sticking_(kick.friction.all_sticking()) {
+    repartitioned();
+}
+
+void FrictionSpectrum::repartitioned() {
+    resting_.clear();
+    for (int s = 0; s < kick_.fields.columns().segments(); ++s) resting_.push_back(kick_.fields[s].contacts);
+}
+
+void FrictionSpectrum::restart() noexcept {
+    for (int row = 0; row < kick_.friction.chain().layout().link_size(); ++row) {
+        SegmentFields::for_links(kick_.fields, [&](SegmentFields::Fields& f, int link, int column) {
+            *f.of[mode_].at(row, column) = static_cast<float>(model::portable_sin(1.0 + 0.7 * row + 2.399 * link));
+        });
+    }
+}
+
+double FrictionSpectrum::radius(const Workspace& w, int iterations) noexcept {
+    const int rows = w.layout().link_size(), segments = kick_.fields.columns().segments();
+    SegmentFields& fields = kick_.fields;
+    for (int s = 0; s < segments; ++s) {
+        fields.take(SegmentFields::contact_edges, fields[s].contacts.columns, s);
+        resting_[at(s)] = fields[s].contacts;
+        resting_[at(s)].stop();
+    }
+    double radius = 0.0;
+    for (int k = 0; k < iterations; ++k) {
+        double before = 0.0, after = 0.0;
+        for (int s = 0; s < segments; ++s) fields.give(edges_, fields[s].of[mode_], s);
+        for (int s = 0; s < segments; ++s) {
+            SegmentFields::Fields& f = fields[s];
+            fields.take(edges_, f.of[mode_], s);
+            sticking_.slopes(resting_[at(s)], kick_.range_of(w, 0.0, f.of[mode_], s), {.slope = &f.of[mode_ + 1]});
+        }
+        for (int row = 0; row < rows; ++row) {
+            SegmentFields::for_links(kick_.fields, [&](const SegmentFields::Fields& f, int, int column) {
+                before += square(*f.of[mode_].at(row, column));
+                after += square(*f.of[mode_ + 1].at(row, column));
+            });
+        }
+        radius = std::sqrt(after / before);
+        if (radius == 0.0) return 0.0;
+        const double scale = 1.0 / std::sqrt(after);
+        for (int row = 0; row < rows; ++row) {
+            SegmentFields::for_links(kick_.fields, [&](SegmentFields::Fields& f, int, int column) {
+                *f.of[mode_].at(row, column) = static_cast<float>(scale * *f.of[mode_ + 1].at(row, column));
+            });
+        }
+    }
+    return radius;
+}
+
 FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, const Kick& kick)
-    : KickSystem(workspace, rows_of_fields(workspace.layout().link_size()), {base, mode, base + 1},
-                 std::vector(kick_state_slots + 1, workspace.layout().link_size())),
-      w_(workspace),
+    : w_(workspace),
       frame_(workspace),
-      sticking_(friction_.all_sticking()),
+      kick_(workspace, std::vector(count, workspace.layout().link_size()), {base, mode, base + 1},
+            std::vector(kick_state_slots + 1, workspace.layout().link_size())),
+      spectrum_(kick_, mode, mode_edges),
       tables_(kick) {
-    make_resting();
     FrictionLeapfrog::restart();
 }
 
 void FrictionLeapfrog::repartitioned() {
-    KickSystem::repartition(w_.partition);
-    make_resting();
-}
-
-void FrictionLeapfrog::make_resting() {
-    resting_.clear();
-    for (int s = 0; s < columns_.segments(); ++s) resting_.push_back(fields(s).contacts);
+    kick_.fields.repartition(w_.partition);
+    spectrum_.repartitioned();
 }
 
 void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
@@ -90,11 +131,7 @@ void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
 void FrictionLeapfrog::restart() noexcept {
     frame_.restart();
     steps_ = 0;
-    for (int row = 0; row < w_.layout().link_size(); ++row) {  // a mode without symmetry, to begin power iterations with
-        for_links(static_cast<KickSystem&>(*this), [&](Fields& f, int link, int column) {
-            *f.of[mode].at(row, column) = static_cast<float>(model::portable_sin(1.0 + 0.7 * row + 2.399 * link));
-        });
-    }
+    spectrum_.restart();
 }
 
 CycleSequence FrictionLeapfrog::step() {
@@ -102,46 +139,38 @@ CycleSequence FrictionLeapfrog::step() {
     if (w_.layout().ledger) co_yield evaluate_cycle;  // its losses need the forces with friction
     co_yield record_kick_cycle;                       // there: contacts, and all forces but friction
     if (const Fault fault = choose_table()) co_return fault;
-    while (stage_ < table_->plan.stages()) co_yield next_stages();  // v under friction and these forces
-    co_yield finish_kick_cycle;                                     // q ← q + h/2 v
-    frame_.end(sheave_forces(w_));                                  // the pulleys by the forces of the tips
+    while (stages_.left()) co_yield stages_.next();  // v under friction and these forces
+    co_yield finish_kick_cycle;                      // q ← q + h/2 v
+    frame_.end(sheave_forces(w_));                   // the pulleys by the forces of the tips
     co_return {};
 }
 
 void FrictionLeapfrog::begin() {
     if (frame_.is_new()) {
         frame_.begin_new_step();
-        KickSystem::begin_new_step();
+        now_ = 1 - now_;
     }
     frame_.begin();
     w_.step.end_state_ready = true;
-    stage_ = 0;
 }
 
 /// Chooses by the spectral radius of friction, which is estimated now and then. @return why no table reaches so far
 Fault FrictionLeapfrog::choose_table() {
-    if (steps_ % steps_between_estimates == 0) radius_ = spectral_radius(steps_ == 0 ? first_iterations : next_iterations);
+    if (steps_ % steps_between_estimates == 0) radius_ = spectrum_.radius(w_, steps_ == 0 ? first_iterations : next_iterations);
     ++steps_;
     table_ = tables_.reaching(margin * radius_ * w_.step.h);
-    if (table_ != nullptr) return {};
+    if (table_ != nullptr) {
+        stages_ = Rounds(kick_cycles, table_->plan.stages());
+        return {};
+    }
     if (!std::isfinite(radius_)) return {FaultKind::non_finite, w_.step.time, first_not_finite(w_), 0.0, 0.0};
     return {FaultKind::too_stiff, w_.step.time, {}, radius_ * w_.step.h, tables_.longest_reach() / margin};
-}
-
-/// Takes the stages of the longest cycle that the remaining ones fill. @return that cycle
-int FrictionLeapfrog::next_stages() noexcept {
-    const PassCycles::Cycle cycle = kick_cycles.longest(table_->plan.stages() - stage_);
-    for (int k = 0; k < cycle.rounds; ++k, ++stage_) {
-        const KickRow row = table_->row(stage_);
-        together_[at(k)] = {row, table_->extrapolation(row.here.time, frame_.force_change_ratio())};
-    }
-    return cycle.number;
 }
 
 void FrictionLeapfrog::save(std::vector<double>& memory) const {
     memory.assign({radius_, static_cast<double>(steps_)});
     frame_.save(memory);
-    for (const std::size_t field : {base + now_, std::size_t(mode)}) KickSystem::save(field, memory);
+    for (const std::size_t field : {base + now_, std::size_t(mode)}) kick_.fields.save(field, memory);
 }
 
 void FrictionLeapfrog::load(std::span<const double> memory) {
@@ -149,23 +178,24 @@ void FrictionLeapfrog::load(std::span<const double> memory) {
     radius_ = pop_front(memory, 1)[0];
     steps_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
     memory = frame_.load(memory);
-    for (const std::size_t field : {base + now_, std::size_t(mode)}) KickSystem::load(field, memory);
+    for (const std::size_t field : {base + now_, std::size_t(mode)}) kick_.fields.load(field, memory);
 }
 
 void FrictionLeapfrog::record(int segment) noexcept {
-    KickSystem::record(w_, frame_.drift(), base + now_, segment);
-    edges_[0].give(columns_, fields(segment).of[state], segment);
+    kick_.record(w_, frame_.drift(), base + now_, segment);
+    kick_.fields.give(state_edges, kick_.fields[segment].start, segment);
 }
 
 void FrictionLeapfrog::stage(int item) noexcept {
-    const int segment = item % w_.partition.size();
-    const auto& [row, extrapolation] = together_[at(item / w_.partition.size())];
+    const int segments = w_.partition.size(), segment = item % segments;
+    const KickRow row = table_->row(stages_.begun() + item / segments);
     const double h = w_.step.h;
-    Fields& f = fields(segment);
-    const auto slot = [&](int number) { return &f.of[state + at(number)]; };
-    const model::FrictionBase accelerations{&f.of[base + now_], &f.of[base + 1 - now_], extrapolation};
+    SegmentFields& fields = kick_.fields;
+    SegmentFields::Fields& f = fields[segment];
+    const model::FrictionBase accelerations{&f.of[base + now_], &f.of[base + 1 - now_],
+                                            table_->extrapolation(row.here.time, frame_.force_change_ratio())};
     model::VelocityRow next;
-    for (const engine::Term& term : row.next.states) next.add(*slot(term.slot), term.factor);
+    for (const engine::Term& term : row.next.states) next.add(slot(f, term.slot), term.factor);
     for (const engine::Term& term : row.next.slopes) {
         if (term.slot == row.here.slope) {
             next.slope_weight = h * term.factor;
@@ -173,49 +203,15 @@ void FrictionLeapfrog::stage(int item) noexcept {
             next.add(f.of[first_slope], h * term.factor);
         }
     }
-    next.to = row.next.keep >= 0 ? slot(row.next.keep) : &f.of[result];
+    next.to = row.next.keep >= 0 ? &slot(f, row.next.keep) : &f.result;
     const bool first = row.here.keep < 0;
     const int here = first ? 0 : row.here.keep;
-    edges_[at(here)].take(columns_, *slot(here), segment);
-    if (first) contact_edges_.take(columns_, f.contacts.columns, segment);
-    friction_.slopes(f.contacts, range_of(w_, row.here.time - 0.5, *slot(here), segment),
-                     {&accelerations, row.keeps_slope ? &f.of[first_slope] : nullptr, &next, row.weight,
-                      row.weight != 0.0 ? &f.of[mean_tip_forces] : nullptr});
-    if (row.next.keep >= 0) edges_[at(row.next.keep)].give(columns_, *next.to, segment);
-}
-
-double FrictionLeapfrog::spectral_radius(int iterations) noexcept {
-    const int rows = w_.layout().link_size(), segments = columns_.segments();
-    for (int s = 0; s < segments; ++s) {
-        contact_edges_.take(columns_, fields(s).contacts.columns, s);
-        resting_[at(s)] = fields(s).contacts;
-        resting_[at(s)].stop();
-    }
-    double radius = 0.0;
-    for (int k = 0; k < iterations; ++k) {
-        double before = 0.0, after = 0.0;
-        for (int s = 0; s < segments; ++s) edges_[mode_edges].give(columns_, fields(s).of[mode], s);
-        for (int s = 0; s < segments; ++s) {
-            Fields& f = fields(s);
-            edges_[mode_edges].take(columns_, f.of[mode], s);
-            sticking_.slopes(resting_[at(s)], range_of(w_, 0.0, f.of[mode], s), {.slope = &f.of[image]});
-        }
-        for (int row = 0; row < rows; ++row) {
-            for_links(static_cast<KickSystem&>(*this), [&](const Fields& f, int, int column) {
-                before += square(*f.of[mode].at(row, column));
-                after += square(*f.of[image].at(row, column));
-            });
-        }
-        radius = std::sqrt(after / before);
-        if (radius == 0.0) return 0.0;
-        const double scale = 1.0 / std::sqrt(after);
-        for (int row = 0; row < rows; ++row) {
-            for_links(static_cast<KickSystem&>(*this), [&](Fields& f, int, int column) {
-                *f.of[mode].at(row, column) = static_cast<float>(scale * *f.of[image].at(row, column));
-            });
-        }
-    }
-    return radius;
+    fields.take(state_edges + at(here), slot(f, here), segment);
+    if (first) fields.take(SegmentFields::contact_edges, f.contacts.columns, segment);
+    kick_.friction.slopes(f.contacts, kick_.range_of(w_, row.here.time - 0.5, slot(f, here), segment),
+                          {&accelerations, row.keeps_slope ? &f.of[first_slope] : nullptr, &next, row.weight,
+                           row.weight != 0.0 ? &f.mean_tip_forces : nullptr});
+    if (row.next.keep >= 0) fields.give(state_edges + at(row.next.keep), *next.to, segment);
 }
 
 }  // namespace cvtflow::tasks

@@ -22,10 +22,30 @@
 
 namespace cvtflow::tasks {
 
+/// Spectral radius of friction about rest, where every contact sticks: the steepest that the law can be.
+class FrictionSpectrum {
+public:
+    /// @param mode number of the field of the vector of power iterations, which outlasts a step; the next one is for its image
+    /// @param edges number of the mode's edges
+    FrictionSpectrum(KickSystem& kick, std::size_t mode, std::size_t edges);
+
+    void repartitioned();
+    /// Begins with a mode without symmetry.
+    void restart() noexcept;
+    /// Largest eigenvalue, from a few power iterations on, for the contacts of the last record [1/s].
+    [[nodiscard]] double radius(const Workspace& workspace, int iterations) noexcept;
+
+private:
+    KickSystem& kick_;
+    const std::size_t mode_, edges_;
+    const model::FrictionOperator sticking_;
+    std::vector<model::ContactField> resting_;  ///< [segment] contacts without motion
+};
+
 /// Friction inside a step: velocities of all links under friction and constant accelerations, everything else frozen, are a small system of
 /// ordinary differential equations that a table of stages integrates, by segments. Increments of a link's velocities are floats, rounded to
 /// 6e-8 of themselves.
-class FrictionLeapfrog final : public StepMethod, private KickSystem {
+class FrictionLeapfrog final : public StepMethod {
 public:
     /// Slots of the workspace that the method uses.
     static constexpr int state_slots = LeapfrogFrame::state_slots, slope_slots = LeapfrogFrame::slope_slots;
@@ -44,7 +64,7 @@ public:
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< @param memory from save()
 
-    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return KickSystem::bytes(); }
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return kick_.bytes(); }
 
     // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
 
@@ -54,32 +74,28 @@ public:
     /// of the step before added to base; adds weight times the tips' forces to their means; combines the velocities of the row that
     /// follows. item = stage of the cycle × segments + segment
     void stage(int item) noexcept;
-    void finish(int segment) noexcept { KickSystem::finish(w_, segment, false); }
+    void finish(int segment) noexcept { kick_.finish(w_, segment, false); }
 
 private:
-    /// Fields: velocities by slot; accelerations by everything but friction, of this step and of the one before (see now_); ….
-    enum Own : std::size_t { state = start, base = state + kick_state_slots, first_slope = base + 2, mode, image };
-    static constexpr std::size_t mode_edges = kick_state_slots;  ///< edges before this number are of states
+    /// Fields: velocities by slot from slot 1 on (slot 0: those at the start); accelerations by everything but friction, of this step and
+    /// of the one before (see now_); ….
+    enum Further : std::size_t { state, base = state + kick_state_slots - 1, first_slope = base + 2, mode, image, count };
+    enum Edges : std::size_t { state_edges = SegmentFields::further_edges, mode_edges = state_edges + kick_state_slots };
+    [[nodiscard]] static model::FloatColumns& slot(SegmentFields::Fields& fields, int number) noexcept {
+        return number == 0 ? fields.start : fields.of[state + at(number) - 1];
+    }
 
-    struct Stage {
-        KickRow row{};
-        double extrapolation = 0.0;  ///< change of G at the stage, in units of the difference between its last two values
-    };
-    void make_resting();
     void begin();
     [[nodiscard]] Fault choose_table();
-    [[nodiscard]] int next_stages() noexcept;
-    /// Largest eigenvalue of friction about rest, from a few power iterations on; everything must be at rest [1/s].
-    [[nodiscard]] double spectral_radius(int iterations) noexcept;
 
     Workspace& w_;
     LeapfrogFrame frame_;
-    const model::FrictionOperator sticking_;    ///< where every contact sticks
-    std::vector<model::ContactField> resting_;  ///< [segment] contacts at rest
+    KickSystem kick_;
+    std::size_t now_ = 0;  ///< which of the bases is the present step's
+    FrictionSpectrum spectrum_;
     const KickTables tables_;
-    const KickTable* table_ = nullptr;                ///< table of the present step
-    int stage_ = 0;                                   ///< the first that is in no cycle yet
-    std::array<Stage, PassCycles::most> together_{};  ///< stages of the present cycle
+    const KickTable* table_ = nullptr;  ///< table of the present step
+    Rounds stages_;                     ///< stages of the present step
     long steps_ = 0;
     double radius_ = 0.0;  ///< spectral radius of friction [1/s]
 };

@@ -48,21 +48,21 @@ void SegmentEdges::take(const SegmentColumns& columns, model::FloatColumns& fiel
     }
 }
 
-KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges)
-    : friction_(model::make_friction(w.variator.chain(), w.parameters.detail.stick_slip)),
-      contact_edges_(model::ContactField(w.variator.chain()).components.count()),
-      edges_(edges.begin(), edges.end()),
+SegmentFields::SegmentFields(const Workspace& w, const model::FrictionOperator& friction, std::vector<int> rows,
+                             std::vector<std::size_t> outlasting, const std::vector<int>& edges)
+    : friction_(friction),
       rows_(std::move(rows)),
-      outlasting_(std::move(outlasting)) {
-    const int links = w.layout().links;
-    moving_.resize(outlasting_.size() * at(rows_[outlasting_.front()] * links));
-    normal_loads_.resize(at(links));
+      outlasting_(std::move(outlasting)),
+      edges_{SegmentEdges(model::ContactField(w.variator.chain()).components.count())} {
+    for (const int each : edges) edges_.emplace_back(each);
+    moving_.resize(outlasting_.size() * at(rows_[outlasting_.front()] * w.layout().links));
     columns_.lay_out(w.partition);
     make_room();
 }
 
-KickSystem::Fields KickSystem::make_fields(int width) const {
-    Fields fields{width, model::ContactField(friction_.chain()), {}, {}};
+SegmentFields::Fields SegmentFields::make_fields(int width) const {
+    const int size = friction_.chain().layout().link_size();
+    Fields fields{width, model::ContactField(friction_.chain()), {size, width}, {size, width}, {3 * model::tips_per_link, width}, {}, {}};
     fields.contacts.make_columns(width);
     for (const int rows : rows_) fields.of.emplace_back(rows, width);
     fields.scratch.resize(at(friction_.scratch_size(width)), 0.0F);
@@ -70,23 +70,22 @@ KickSystem::Fields KickSystem::make_fields(int width) const {
 }
 
 /// Fields and edges for all segments. Widths are whole lines, so that fields stay large enough when borders move a little.
-void KickSystem::make_room() {
+void SegmentFields::make_room() {
     constexpr int line = Columns::line;
     const int segments = columns_.segments();
     for (int s = 0; s < segments; ++s) {
         const int width = (columns_.count(s) + line - 1) / line * line;
         if (at(s) == fields_.size()) {
             fields_.push_back(make_fields(width));
-        } else if (fields(s).width < width) {
-            fields(s) = make_fields(width);
+        } else if ((*this)[s].width < width) {
+            (*this)[s] = make_fields(width);
         }
     }
-    contact_edges_.make_room(segments);
     for (SegmentEdges& edges : edges_) edges.make_room(segments);
 }
 
 /// Keeps all fields that outlast a step: a step that was cut is yet to be taken again.
-void KickSystem::repartition(const Partition& partition) {
+void SegmentFields::repartition(const Partition& partition) {
     float* room = moving_.data();
     for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](float& number) { *room++ = number; });
     columns_.lay_out(partition);
@@ -95,87 +94,92 @@ void KickSystem::repartition(const Partition& partition) {
     for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](float& number) { number = *room++; });
 }
 
-std::size_t KickSystem::bytes() const noexcept {
-    std::size_t bytes = sizeof(*this) + normal_loads_.size() * sizeof(model::LinkLoad) + contact_edges_.bytes();
+std::size_t SegmentFields::bytes() const noexcept {
+    std::size_t bytes = 0;
     for (const SegmentEdges& each : edges_) bytes += each.bytes();
     for (const Fields& f : fields_) {
-        bytes += f.contacts.bytes() + f.scratch.size() * sizeof(float);
+        bytes += f.contacts.bytes() + f.start.bytes() + f.result.bytes() + f.mean_tip_forces.bytes() + f.scratch.size() * sizeof(float);
         for (const Columns& each : f.of) bytes += each.bytes();
     }
     return bytes;
 }
 
-void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment,
-                        model::TipSearch* search) noexcept {
-    Fields& f = fields(segment);
-    const Segment& own = w.partition[segment];
-    const double* window = advance_window(w, segment, friction_.kernels().advance);
-    const int shift = columns_.shift(segment), begin = w.layout().link_begin(own.first);
-    const model::ChainRange range{own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, false};
-    model::LinkLoad* loads = normal_loads_.data() + own.first;
-    friction_.record(range, drift, {w.states[0] + begin, f.contacts, f.of[frictionless], f.of[start]}, loads, search);
-    for (int row = 0; row < rows_[mean_tip_forces]; ++row)
-        std::fill_n(f.of[mean_tip_forces].at(row, SegmentColumns::first), own.size(), 0.0F);
-    contact_edges_.give(columns_, f.contacts.columns, segment);
+void SegmentFields::clear(std::size_t field) noexcept {
+    for_numbers(*this, field, [](float& number) { number = 0.0F; });
 }
 
-model::FrictionRange KickSystem::range_of(const Workspace& w, double time, const Columns& velocity, int segment) noexcept {
+void SegmentFields::save(std::size_t field, std::vector<double>& memory) const {
+    for_numbers(*this, field, [&](float number) { memory.push_back(number); });
+}
+
+void SegmentFields::load(std::size_t field, std::span<const double>& memory) {
+    const double* from = pop_front(memory, at(rows_[field] * friction_.chain().layout().links)).data();
+    for_numbers(*this, field, [&](float& number) { number = static_cast<float>(*from++); });
+}
+
+KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges)
+    : friction(model::make_friction(w.variator.chain(), w.parameters.detail.stick_slip)),
+      fields(w, friction, std::move(rows), std::move(outlasting), edges),
+      normal_loads_(at(w.layout().links)) {}
+
+void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment,
+                        model::TipSearch* search) noexcept {
+    SegmentFields::Fields& f = fields[segment];
+    const Segment& own = w.partition[segment];
+    const double* window = advance_window(w, segment, friction.kernels().advance);
+    const int shift = fields.columns().shift(segment), begin = w.layout().link_begin(own.first);
+    const model::ChainRange range{own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, false};
+    model::LinkLoad* loads = normal_loads_.data() + own.first;
+    friction.record(range, drift, {w.states[0] + begin, f.contacts, f.of[frictionless], f.start}, loads, search);
+    for (int row = 0; row < 3 * model::tips_per_link; ++row)
+        std::fill_n(f.mean_tip_forces.at(row, SegmentColumns::first), own.size(), 0.0F);
+    fields.give(SegmentFields::contact_edges, f.contacts.columns, segment);
+}
+
+model::FrictionRange KickSystem::range_of(const Workspace& w, double time, const model::FloatColumns& velocity, int segment) noexcept {
     const Segment& own = w.partition[segment];
     return {own.first,
             own.last,
             velocity.at(0, SegmentColumns::first - 1),
             velocity.stride(),
-            fields(segment).scratch.data(),
+            fields[segment].scratch.data(),
             w.tips.phases.data(),
             time,
-            columns_.shift(segment)};
+            fields.columns().shift(segment)};
 }
 
 bool KickSystem::finish(Workspace& w, int segment, bool with_secants) const noexcept {
     add_loads(w, segment);
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
-    const Columns& velocities = fields(segment).of[result];
+    const model::FloatColumns& velocities = fields[segment].result;
     const int begin = layout.link_begin(own.first);
-    return friction_.kernels().end({.velocity = velocities.at(0, own.first + columns_.shift(segment)),
-                                    .stride = velocities.stride(),
-                                    // still in the window that record() has filled
-                                    .counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block(),
-                                    .start = w.states[0] + begin,
-                                    .end = w.end_state + begin,
-                                    .secants = with_secants ? w.end_slope + begin : nullptr,
-                                    .step = w.step.h,
-                                    .limit = fastest_pin},
-                                   own.size());
+    return friction.kernels().end({.velocity = velocities.at(0, own.first + fields.columns().shift(segment)),
+                                   .stride = velocities.stride(),
+                                   // still in the window that record() has filled
+                                   .counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block(),
+                                   .start = w.states[0] + begin,
+                                   .end = w.end_state + begin,
+                                   .secants = with_secants ? w.end_slope + begin : nullptr,
+                                   .step = w.step.h,
+                                   .limit = fastest_pin},
+                                  own.size());
 }
 
 /// Loads of a segment's links since record(): the normal forces, and the mean reaction of the tips' friction.
 void KickSystem::add_loads(Workspace& w, int segment) const noexcept {
-    const Fields& f = fields(segment);
+    const SegmentFields::Fields& f = fields[segment];
     const Segment& own = w.partition[segment];
-    const int column = own.first + columns_.shift(segment);
-    friction_.kernels().react({.forces = f.of[mean_tip_forces].at(0, column),
-                               .stride = f.of[mean_tip_forces].stride(),
-                               .arms = f.contacts.arms.at(0, column),
-                               .arms_stride = f.contacts.arms.stride(),
-                               .phases = w.tips.phases.data() + model::tips_per_link * own.first,
-                               .normal = normal_loads_.data() + own.first,
-                               .loads = w.links.loads.data() + own.first},
-                              own.size());
+    const int column = own.first + fields.columns().shift(segment);
+    friction.kernels().react({.forces = f.mean_tip_forces.at(0, column),
+                              .stride = f.mean_tip_forces.stride(),
+                              .arms = f.contacts.arms.at(0, column),
+                              .arms_stride = f.contacts.arms.stride(),
+                              .phases = w.tips.phases.data() + model::tips_per_link * own.first,
+                              .normal = normal_loads_.data() + own.first,
+                              .loads = w.links.loads.data() + own.first},
+                             own.size());
     if (w.layout().pulley_size != 0) add_up(w, own);
-}
-
-void KickSystem::clear(std::size_t field) noexcept {
-    for_numbers(*this, field, [](float& number) { number = 0.0F; });
-}
-
-void KickSystem::save(std::size_t field, std::vector<double>& memory) const {
-    for_numbers(*this, field, [&](float number) { memory.push_back(number); });
-}
-
-void KickSystem::load(std::size_t field, std::span<const double>& memory) {
-    const double* from = pop_front(memory, at(rows_[field] * friction_.chain().layout().links)).data();
-    for_numbers(*this, field, [&](float& number) { number = static_cast<float>(*from++); });
 }
 
 }  // namespace cvtflow::tasks

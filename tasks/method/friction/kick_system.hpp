@@ -70,46 +70,41 @@ private:
     model::LineVector<float> packed_;  ///< [segments][2][stride]
 };
 
-/// Velocities inside a step are floats, which count from those of the record.
-class KickSystem {
+/// Data that the tasks of segments write and read: contacts, fields of numbers of links by component, scratch. Fields that outlast a step
+/// move with the borders of segments.
+class SegmentFields {
 public:
-    /// Memory of segments, after every change of the partition.
-    void repartition(const Partition& partition);
-    /// Data that outlast a step become those of the step before.
-    void begin_new_step() noexcept { now_ = 1 - now_; }
-    /// Memory that a step touches [B]: no room for what borders move through, nothing that is computed on demand.
-    [[nodiscard]] std::size_t bytes() const noexcept;
-
-    /// Body of a task: loads of a segment's links; their state at the step's end by the resulting velocities, and its secants if requested.
-    /// @return whether that state is sound
-    bool finish(Workspace& workspace, int segment, bool with_secants) const noexcept;
-
-protected:
     using Columns = model::FloatColumns;
-    /// Fields of every system: velocities at the step's end, mean forces of the tips' friction, velocities at the step's start.
-    enum Common : std::size_t { result, mean_tip_forces, start, first_own };
+    /// Numbers of edges: those of the contacts, the first of the method's.
+    enum Edges : std::size_t { contact_edges, further_edges };
 
-    /// Data that a segment's tasks write and read. Column = link + shift of the segment.
+    /// Data of one segment. Column = link + shift of the segment.
     struct Fields {
         int width;  ///< columns
         model::ContactField contacts;
-        std::vector<Columns> of;  ///< [field]
+        Columns start, result;    ///< velocities at the step's start and at its end
+        Columns mean_tip_forces;  ///< friction of the tips
+        std::vector<Columns> of;  ///< [field] further ones of the method
         model::LineVector<float> scratch;
     };
 
-    /// @param rows of each field, of those in Common first   @param outlasting fields that outlast a step, with equally many rows
+    /// @param rows of each further field   @param outlasting fields that outlast a step, with equally many rows
     /// @param edges rows of what segments hand over beside contacts
-    KickSystem(const Workspace& workspace, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges);
+    SegmentFields(const Workspace& workspace, const model::FrictionOperator& friction, std::vector<int> rows,
+                  std::vector<std::size_t> outlasting, const std::vector<int>& edges);
 
-    [[nodiscard]] Fields& fields(int segment) noexcept { return fields_[at(segment)]; }
-    [[nodiscard]] const Fields& fields(int segment) const noexcept { return fields_[at(segment)]; }
-    /// Contacts of a segment's links at the stage state of workspace.step.row, all other forces there as accelerations in the field
-    /// `frictionless`, and velocities at the step's start; hands over the contacts. No mean forces of tips so far.
-    /// @param search decides which tips touch; nullptr: they do as they did
-    void record(Workspace& workspace, const model::ContactDrift& drift, std::size_t frictionless, int segment,
-                model::TipSearch* search = nullptr) noexcept;
-    /// A segment's links with velocities of columns like its fields'. time [s]
-    [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const Columns& velocity, int segment) noexcept;
+    /// Memory of segments, after every change of the partition.
+    void repartition(const Partition& partition);
+    [[nodiscard]] const SegmentColumns& columns() const noexcept { return columns_; }
+    [[nodiscard]] Fields& operator[](int segment) noexcept { return fields_[at(segment)]; }
+    [[nodiscard]] const Fields& operator[](int segment) const noexcept { return fields_[at(segment)]; }
+    /// Memory that a step touches [B]: no room for what borders move through, nothing that is computed on demand.
+    [[nodiscard]] std::size_t bytes() const noexcept;
+
+    /// Hands over a segment's part of a field (or of its contacts) to its neighbours.
+    void give(std::size_t edge, const Columns& field, int segment) noexcept { edges_[edge].give(columns_, field, segment); }
+    /// Takes over what its neighbours have given.
+    void take(std::size_t edge, Columns& field, int segment) const noexcept { edges_[edge].take(columns_, field, segment); }
 
     /// The numbers of a field become zero, of all links.
     void clear(std::size_t field) noexcept;
@@ -118,36 +113,61 @@ protected:
     /// @throws std::invalid_argument if the memory is too short
     void load(std::size_t field, std::span<const double>& memory);
 
-    /// Calls visit(fields, link, column) for all links of a system, in order.
-    template <class System, class Visit>
-    static void for_links(System& system, const Visit& visit) {
-        for (int s = 0; s < system.columns_.segments(); ++s) {
-            const Segment& own = system.columns_.segment(s);
-            for (int link = own.first; link < own.last; ++link) visit(system.fields(s), link, link + system.columns_.shift(s));
+    /// Calls visit(fields, link, column) for all links of fields, in order.
+    template <class Self, class Visit>
+    static void for_links(Self& self, const Visit& visit) {
+        for (int s = 0; s < self.columns_.segments(); ++s) {
+            const Segment& links = self.columns_.segment(s);
+            for (int link = links.first; link < links.last; ++link) visit(self[s], link, link + self.columns_.shift(s));
         }
     }
-
-    model::FrictionOperator friction_;
-    SegmentColumns columns_;
-    std::size_t now_ = 0;  ///< index of the present step's field, of two that outlast a step
-    SegmentEdges contact_edges_;
-    std::vector<SegmentEdges> edges_;
 
 private:
     [[nodiscard]] Fields make_fields(int width) const;
     void make_room();
-    void add_loads(Workspace& workspace, int segment) const noexcept;
     /// Calls visit(number) for all numbers of a field, rows of all links one after the other.
-    template <class System, class Visit>
-    static void for_numbers(System& system, std::size_t field, const Visit& visit) {
-        for (int row = 0; row < system.rows_[field]; ++row)
-            for_links(system, [&](auto& fields, int, int column) { visit(*fields.of[field].at(row, column)); });
+    template <class Self, class Visit>
+    static void for_numbers(Self& self, std::size_t field, const Visit& visit) {
+        for (int row = 0; row < self.rows_[field]; ++row)
+            for_links(self, [&](auto& fields, int, int column) { visit(*fields.of[field].at(row, column)); });
     }
 
-    std::vector<int> rows_;                      ///< [field]
-    std::vector<std::size_t> outlasting_;        ///< fields
-    std::vector<Fields> fields_;                 ///< [segment], or more
-    std::vector<float> moving_;                  ///< [outlasting][rows][links] room for what borders move through
+    const model::FrictionOperator& friction_;
+    std::vector<int> rows_;                ///< [field] of further fields
+    std::vector<std::size_t> outlasting_;  ///< fields
+    SegmentColumns columns_;
+    std::vector<Fields> fields_;  ///< [segment], or more
+    std::vector<SegmentEdges> edges_;
+    std::vector<float> moving_;  ///< [outlasting][rows][links] room for what borders move through
+};
+
+/// Contacts and forces of a leapfrog's step by segments. Velocities inside a step are floats, which count from those of the record.
+class KickSystem {
+public:
+    /// Parameters as for SegmentFields.
+    KickSystem(const Workspace& workspace, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges);
+
+    /// Body of a task: contacts of a segment's links at the stage state of workspace.step.row, all other forces there as accelerations in
+    /// the further field `frictionless`, and velocities at the step's start; hands over the contacts. No mean forces of tips so far.
+    /// @param search decides which tips touch; nullptr: they do as they did
+    void record(Workspace& workspace, const model::ContactDrift& drift, std::size_t frictionless, int segment,
+                model::TipSearch* search = nullptr) noexcept;
+    /// A segment's links with velocities of columns like its fields'. time [s]
+    [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const model::FloatColumns& velocity,
+                                                int segment) noexcept;
+    /// Body of a task: loads of a segment's links; their state at the step's end by the resulting velocities, and its secants if requested.
+    /// @return whether that state is sound
+    bool finish(Workspace& workspace, int segment, bool with_secants) const noexcept;
+    [[nodiscard]] std::size_t bytes() const noexcept {
+        return sizeof(*this) + normal_loads_.size() * sizeof(model::LinkLoad) + fields.bytes();
+    }
+
+    const model::FrictionOperator friction;
+    SegmentFields fields;
+
+private:
+    void add_loads(Workspace& workspace, int segment) const noexcept;
+
     std::vector<model::LinkLoad> normal_loads_;  ///< [links]
 };
 

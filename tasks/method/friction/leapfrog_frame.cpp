@@ -109,10 +109,11 @@ std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
     return memory;
 }
 
-PassCycles::Cycle PassCycles::longest(int left) const noexcept {
-    int k = count - 1;
-    while (rounds_[at(k)] > left) --k;
-    return {first_ + k, rounds_[at(k)]};
+int Rounds::next() noexcept {
+    int k = PassCycles::count - 1;
+    while (cycles_->rounds_[at(k)] > count_ - next_) --k;
+    begun_ = std::exchange(next_, next_ + cycles_->rounds_[at(k)]);
+    return cycles_->first_ + k;
 }
 
 void PassCycles::add_tasks(engine::TaskGraph& graph, const Workspace& w, const char* noun, engine::TaskCode code,

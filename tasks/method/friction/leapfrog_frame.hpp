@@ -63,23 +63,39 @@ private:
 /// its neighbours read.
 class PassCycles {
 public:
-    static constexpr int count = 4, most = 8;
-    struct Cycle {
-        int number, rounds;
-    };
+    static constexpr int count = 4;
 
-    /// @param first number of the first cycle   @param rounds of each, ascending from 1 to `most`
+    /// @param first number of the first cycle   @param rounds of each, ascending from 1
     constexpr PassCycles(int first, std::array<int, count> rounds) noexcept : first_(first), rounds_(rounds) {}
 
-    /// The longest cycle of at most `left` ≥ 1 rounds.
-    [[nodiscard]] Cycle longest(int left) const noexcept;
     /// Adds the tasks of all cycles: item = round of the cycle × segments + segment. @param noun of a round   @param more adds accesses
     void add_tasks(engine::TaskGraph& graph, const Workspace& workspace, const char* noun, engine::TaskCode code,
                    const std::function<void(LinkAccesses&)>& more) const;
 
 private:
+    friend class Rounds;
+
     int first_;
     std::array<int, count> rounds_;
+};
+
+/// The rounds of a step, taken by cycles.
+class Rounds {
+public:
+    Rounds() = default;
+    Rounds(const PassCycles& cycles, int count) noexcept : cycles_(&cycles), count_(count) {}
+
+    [[nodiscard]] int count() const noexcept { return count_; }
+    /// Whether some are in no cycle yet.
+    [[nodiscard]] bool left() const noexcept { return next_ < count_; }
+    /// Takes the longest cycle that the remaining ones fill. @return its number
+    [[nodiscard]] int next() noexcept;
+    /// The first round of the present cycle.
+    [[nodiscard]] int begun() const noexcept { return begun_; }
+
+private:
+    const PassCycles* cycles_ = nullptr;
+    int count_ = 0, begun_ = 0, next_ = 0;
 };
 
 /// Accesses of the task that records a segment's contacts and all other forces.

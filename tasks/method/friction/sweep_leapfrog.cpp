@@ -39,6 +39,22 @@ constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 2.0, max_sweeps = 12
     return static_cast<int>(std::ceil(std::clamp(needed_sweeps(parameters), min_sweeps, max_sweeps)));
 }
 
+/// Ends a step inside which tips may have changed their phase.
+[[nodiscard]] Fault close_step(Workspace& w) {
+    close_tail(w);
+    TipState& tips = w.tips;
+    static_assert(sizeof(model::Phase) == 1);  // memcmp: the library compares enumerations one by one
+    tips.have_changed = std::memcmp(tips.phases.data(), tips.phases_before.data(), tips.phases.size()) != 0;
+    for (std::size_t tip = 0; tip < tips.phases.size() && tips.have_changed; ++tip) {
+        if (tips.phases[tip] != tips.phases_before[tip]) tips.changed[tip] = w.step.time + w.step.h;
+    }
+    if (const Fault fault = check_tail(w)) return fault;
+    for (const SegmentResult& result : w.segment_results) {
+        if (result.pending) return find_fault(w, w.end_state);
+    }
+    return {};
+}
+
 }  // namespace
 
 std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept {
@@ -55,92 +71,95 @@ bool sweeps_suit(const model::Parameters& parameters) {
 std::vector<int> SweepSystem::rows_of_fields(const Workspace& w) {
     const int size = w.layout().link_size();
     const int forces = model::SweepRows{w.variator.chain().coefficients().joint_points.count}.count();
-    return {size, 3 * model::tips_per_link, size, size, size, forces, forces};
+    return {size, size, forces, forces};
 }
 
 SweepSystem::SweepSystem(const Workspace& w)
-    : KickSystem(w, rows_of_fields(w), {kept, kept + 1}, {rows_of_fields(w)[kept], w.layout().link_size(), w.layout().link_size()}),
-      responses_(friction_, 0.0, 0.0),
+    : kick_(w, rows_of_fields(w), {kept, kept + 1}, {rows_of_fields(w)[kept], w.layout().link_size(), w.layout().link_size()}),
+      responses_(kick_.friction, 0.0, 0.0),
       mean_edges_(w.layout().link_size()) {
     powers_.resize(at(w.layout().links));
     make_means();
 }
 
 void SweepSystem::make_means() {
-    for (int s = 0; s < columns_.segments(); ++s) {
+    const int segments = kick_.fields.columns().segments();
+    for (int s = 0; s < segments; ++s) {
         if (at(s) == means_.size()) means_.emplace_back();
-        if (means_[at(s)].bytes() < fields(s).of[velocity].bytes()) means_[at(s)] = fields(s).of[velocity];
+        if (means_[at(s)].bytes() < kick_.fields[s].of[velocity].bytes()) means_[at(s)] = kick_.fields[s].of[velocity];
     }
-    mean_edges_.make_room(columns_.segments());
+    mean_edges_.make_room(segments);
 }
 
 void SweepSystem::repartition(const Partition& partition) {
     find_losses();
-    KickSystem::repartition(partition);
+    kick_.fields.repartition(partition);
     make_means();
 }
 
 void SweepSystem::restart() noexcept {
-    clear(kept_now());
+    kick_.fields.clear(kept_now());
     losses_ = Losses::none;
 }
 
 void SweepSystem::begin(double step, double nominal) noexcept {
-    friction_.hold(static_cast<float>(nominal));
-    if (step != responses_.of_step || nominal != responses_.of_nominal) responses_ = {friction_, step, nominal};
+    kick_.friction.hold(static_cast<float>(nominal));
+    if (step != responses_.of_step || nominal != responses_.of_nominal) responses_ = {kick_.friction, step, nominal};
     losses_ = Losses::none;
 }
 
 void SweepSystem::record(Workspace& w, const model::ContactDrift& drift, int segment, model::TipSearch* search) noexcept {
-    KickSystem::record(w, drift, base, segment, search);
-    edges_[kept_edges].give(columns_, fields(segment).of[kept_before()], segment);
+    kick_.record(w, drift, base, segment, search);
+    kick_.fields.give(kept_edges, kick_.fields[segment].of[kept_before()], segment);
 }
 
 void SweepSystem::sweep(const Workspace& w, model::SweepPart part, double opening, int number, int segment) noexcept {
-    Fields& f = fields(segment);
-    const auto edges = [this](int pass) -> SegmentEdges& { return edges_[velocity_edges + at(pass % 2)]; };
+    SegmentFields& fields = kick_.fields;
+    SegmentFields::Fields& f = fields[segment];
+    const auto edge = [](int pass) { return velocity_edges + at(pass % 2); };
     if (part == model::SweepPart::opening) {
-        contact_edges_.take(columns_, f.contacts.columns, segment);
-        edges_[kept_edges].take(columns_, f.of[kept_before()], segment);
+        fields.take(SegmentFields::contact_edges, f.contacts.columns, segment);
+        fields.take(kept_edges, f.of[kept_before()], segment);
     } else {
-        edges(number - 1).take(columns_, f.of[velocity], segment);
+        fields.take(edge(number - 1), f.of[velocity], segment);
     }
     const model::FrictionSweep sweep{.part = part,
                                      .ahead = static_cast<float>(opening),
                                      .responses = &responses_,
                                      .base = &f.of[base],
-                                     .start = &f.of[start],
+                                     .start = &f.start,
                                      .before = &f.of[kept_before()],
                                      .kept = &f.of[kept_now()],
                                      .velocity = &f.of[velocity],
-                                     .result = &f.of[result],
-                                     .mean_tip_forces = &f.of[mean_tip_forces]};
+                                     .result = &f.result,
+                                     .mean_tip_forces = &f.mean_tip_forces};
     constexpr double end = 0.5;  // of the step, from its middle
-    friction_.kernels().sweep(friction_, f.contacts, range_of(w, end, f.of[velocity], segment), sweep);
-    if (part != model::SweepPart::closing) edges(number).give(columns_, f.of[velocity], segment);
+    kick_.friction.kernels().sweep(kick_.friction, f.contacts, kick_.range_of(w, end, f.of[velocity], segment), sweep);
+    if (part != model::SweepPart::closing) fields.give(edge(number), f.of[velocity], segment);
 }
 
 /// Finds the exact power that friction takes from the kinetic energy, by the mean velocities of the step.
 void SweepSystem::find_losses() const noexcept {
     if (losses_ != Losses::to_be_found) return;
-    for (int s = 0; s < columns_.segments(); ++s) {
-        const Fields& f = fields(s);
-        for (int row = 0; row < friction_.chain().layout().link_size(); ++row) {
-            const float *before = f.of[start].at(row, SegmentColumns::first), *after = f.of[result].at(row, SegmentColumns::first);
+    const SegmentColumns& columns = kick_.fields.columns();
+    for (int s = 0; s < columns.segments(); ++s) {
+        const SegmentFields::Fields& f = kick_.fields[s];
+        for (int row = 0; row < kick_.friction.chain().layout().link_size(); ++row) {
+            const float *before = f.start.at(row, SegmentColumns::first), *after = f.result.at(row, SegmentColumns::first);
             float* mean = means_[at(s)].at(row, SegmentColumns::first);
-            for (int link = 0; link < columns_.segment(s).size(); ++link) mean[link] = 0.5F * (before[link] + after[link]);
+            for (int link = 0; link < columns.segment(s).size(); ++link) mean[link] = 0.5F * (before[link] + after[link]);
         }
-        mean_edges_.give(columns_, means_[at(s)], s);
+        mean_edges_.give(columns, means_[at(s)], s);
     }
-    for (int s = 0; s < columns_.segments(); ++s) {
-        const Fields& f = fields(s);
-        const Segment& own = columns_.segment(s);
-        mean_edges_.take(columns_, means_[at(s)], s);
+    for (int s = 0; s < columns.segments(); ++s) {
+        const SegmentFields::Fields& f = kick_.fields[s];
+        const Segment& own = columns.segment(s);
+        mean_edges_.take(columns, means_[at(s)], s);
         constexpr double middle = 0.0;
         const model::FrictionRange range{
-            own.first, own.last,         means_[at(s)].at(0, SegmentColumns::first - 1), means_[at(s)].stride(), nullptr, nullptr,
-            middle,    columns_.shift(s)};
-        friction_.kernels().powers(friction_, f.contacts, range, f.of[kept_now()], powers_.data() + own.first);
+            own.first, own.last,        means_[at(s)].at(0, SegmentColumns::first - 1), means_[at(s)].stride(), nullptr, nullptr,
+            middle,    columns.shift(s)};
+        kick_.friction.kernels().powers(kick_.friction, f.contacts, range, f.of[kept_now()], powers_.data() + own.first);
     }
     losses_ = Losses::known;
 }
@@ -163,13 +182,13 @@ void SweepSystem::enter_losses(Workspace& w) noexcept {
 
 void SweepSystem::save(std::vector<double>& memory) const {
     find_losses();
-    KickSystem::save(kept_now(), memory);
+    kick_.fields.save(kept_now(), memory);
     memory.push_back(losses_ == Losses::known ? 1.0 : 0.0);
     for (const model::FrictionPowers& powers : powers_) memory.insert(memory.end(), {powers.joint, powers.plates, powers.tips});
 }
 
 void SweepSystem::load(std::span<const double> memory) {
-    KickSystem::load(kept_now(), memory);
+    kick_.fields.load(kept_now(), memory);
     losses_ = pop_integer(memory, 0, 1) == 1 ? Losses::known : Losses::none;
     const double* from = pop_front(memory, 3 * powers_.size()).data();
     for (model::FrictionPowers& powers : powers_) {
@@ -196,11 +215,7 @@ void SweepLeapfrog::add_tasks(engine::TaskGraph& graph) {
             .segment(Field::result, true)
             .own(Field::load, true);
     });
-    add_booking(graph);
-}
-
-/// The losses that the laws have at the state observed are replaced by what the last step's forces have done.
-void SweepLeapfrog::add_booking(engine::TaskGraph& graph) {
+    // The losses that the laws have at the state observed are replaced by what the last step's forces have done.
     const int others = graph.size();
     engine::Access accounts{static_cast<int>(Field::account), 0, w_.layout().links, true};
     const int losses = graph.add({"book", observe_cycle, engine::code_of<&SweepLeapfrog::enter_losses>(*this), 0, {accounts}});
@@ -220,7 +235,7 @@ CycleSequence SweepLeapfrog::step() {
     begin();                                          // pulleys to the middle of the step: q ← q + h/2 v
     if (w_.layout().ledger) co_yield evaluate_cycle;  // only where losses are integrated with the state
     co_yield record_sweep_cycle;                      // links there, contacts, all forces but friction
-    while (pass_ < passes_) co_yield next_passes();   // friction of joints, plates and tips; then v, q ← q + h/2 v
+    while (passes_.left()) co_yield passes_.next();   // friction of joints, plates and tips; then v, q ← q + h/2 v
     co_return finish();                               // the pulleys by the forces of the tips; soundness of the state
 }
 
@@ -237,37 +252,13 @@ void SweepLeapfrog::begin() {
     system_.begin(w_.step.h, nominal_);
     w_.step.end_state_ready = true;
     if (decides_phases()) w_.tips.phases_before = w_.tips.phases;
-    pass_ = 0;
-    passes_ = 1 + (cold_ ? first_sweeps : sweeps_);
-}
-
-/// Takes the passes of the longest cycle that the remaining ones fill. @return that cycle
-int SweepLeapfrog::next_passes() noexcept {
-    const PassCycles::Cycle cycle = sweep_cycles.longest(passes_ - pass_);
-    begun_ = pass_;
-    pass_ += cycle.rounds;
-    return cycle.number;
+    passes_ = Rounds(sweep_cycles, 1 + (cold_ ? first_sweeps : sweeps_));
 }
 
 Fault SweepLeapfrog::finish() {
     frame_.end(sheave_forces(w_));
     system_.end();
-    return decides_phases() ? close() : Fault{};
-}
-
-Fault SweepLeapfrog::close() {
-    close_tail(w_);
-    TipState& tips = w_.tips;
-    static_assert(sizeof(model::Phase) == 1);  // memcmp: the library compares enumerations one by one
-    tips.have_changed = std::memcmp(tips.phases.data(), tips.phases_before.data(), tips.phases.size()) != 0;
-    for (std::size_t tip = 0; tip < tips.phases.size() && tips.have_changed; ++tip) {
-        if (tips.phases[tip] != tips.phases_before[tip]) tips.changed[tip] = w_.step.time + w_.step.h;
-    }
-    if (const Fault fault = check_tail(w_)) return fault;
-    for (const SegmentResult& result : w_.segment_results) {
-        if (result.pending) return find_fault(w_, w_.end_state);
-    }
-    return {};
+    return decides_phases() ? close_step(w_) : Fault{};
 }
 
 void SweepLeapfrog::save(std::vector<double>& memory) const {
@@ -293,13 +284,13 @@ void SweepLeapfrog::record(int segment) noexcept {
 }
 
 void SweepLeapfrog::sweep(int item) noexcept {
-    const int segments = w_.partition.size(), segment = item % segments, pass = begun_ + item / segments;
-    const bool closing = pass + 1 == passes_;
+    const int segments = w_.partition.size(), segment = item % segments, pass = passes_.begun() + item / segments;
+    const bool closing = pass + 1 == passes_.count();
     const model::SweepPart part = pass == 0 ? model::SweepPart::opening : closing ? model::SweepPart::closing : model::SweepPart::middle;
     system_.sweep(w_, part, cold_ ? 0.0 : ahead, pass, segment);
     if (!closing) return;
     // Where the record has found the transitions, this is what remains of a detect cycle.
-    const bool sound = system_.finish(w_, segment, decides_phases());
+    const bool sound = system_.kick().finish(w_, segment, decides_phases());
     if (decides_phases() && !sound) w_.segment_results[at(segment)].pending = true;
 }
 

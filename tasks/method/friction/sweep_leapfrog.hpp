@@ -30,14 +30,19 @@ namespace cvtflow::tasks {
 
 /// The friction of a step as forces that implicit sweeps find (model/contact/sweep_step.hpp), by segments. Both neighbours of a border
 /// compute its joint, from what they have handed over; so the same bits come out for all segments.
-class SweepSystem : public KickSystem {
+class SweepSystem {
 public:
     explicit SweepSystem(const Workspace& workspace);
+
+    /// Contacts and all other forces.
+    [[nodiscard]] const KickSystem& kick() const noexcept { return kick_; }
 
     /// Memory of segments, after every change of the partition.
     void repartition(const Partition& partition);
     /// Sets all contact forces to zero (no previous step).
     void restart() noexcept;
+    /// Forces that outlast a step become those of the step before.
+    void begin_new_step() noexcept { now_ = 1 - now_; }
     /// Begins a step. @param nominal its length if nothing had cut it short [s]
     void begin(double step, double nominal) noexcept;
     /// Ends the step.
@@ -61,20 +66,22 @@ public:
 private:
     enum class Losses { none, to_be_found, known };
     /// Fields: accelerations by everything but friction; velocities; two of forces that outlast a step, kept_now() and kept_before().
-    enum Own : std::size_t { base = first_own, velocity, kept };
+    enum Further : std::size_t { base, velocity, kept };
     [[nodiscard]] std::size_t kept_now() const noexcept { return kept + now_; }
     [[nodiscard]] std::size_t kept_before() const noexcept { return kept + 1 - now_; }
     /// Edges of forces, and of velocities after passes of even and of odd number.
-    enum Edges : std::size_t { kept_edges, velocity_edges };
+    enum Edges : std::size_t { kept_edges = SegmentFields::further_edges, velocity_edges };
 
     [[nodiscard]] static std::vector<int> rows_of_fields(const Workspace& workspace);
     void make_means();
     void find_losses() const noexcept;
 
+    KickSystem kick_;
+    std::size_t now_ = 0;  ///< which of the kept fields is the present step's
     model::SweepResponses responses_;
     // Computed on demand: for an observation, a checkpoint, or borders that move.
     mutable Losses losses_ = Losses::none;
-    mutable std::vector<Columns> means_;  ///< [segment], or more: velocities of the step, when its losses are found
+    mutable std::vector<model::FloatColumns> means_;  ///< [segment], or more: velocities of the step, when its losses are found
     mutable SegmentEdges mean_edges_;
     mutable std::vector<model::FrictionPowers> powers_;  ///< [links] of the last step
 };
@@ -104,7 +111,7 @@ public:
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< @param memory from save()
 
-    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return system_.bytes(); }
+    [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return system_.kick().bytes(); }
 
     // Bodies of tasks.
     void record(int segment) noexcept;
@@ -113,19 +120,14 @@ public:
 
 private:
     void begin();
-    [[nodiscard]] int next_passes() noexcept;
     [[nodiscard]] Fault finish();
     [[nodiscard]] bool decides_phases() const noexcept { return at_transition() == AtTransition::inside; }
-    [[nodiscard]] Fault close();
-    void add_booking(engine::TaskGraph& graph);
 
     Workspace& w_;
     LeapfrogFrame frame_;
     SweepSystem system_;
     const int sweeps_;           ///< sweeps of a step
-    int pass_ = 0;               ///< the first that is in no cycle yet
-    int passes_ = 0;             ///< passes of the present step
-    int begun_ = 0;              ///< the first pass of the present cycle
+    Rounds passes_;              ///< passes of the present step
     double begun_length_ = 0.0;  ///< length of the last step before it was cut [s]
     double nominal_ = 0.0;       ///< length of uncut steps: the longest, or the last as long as the one before [s]
     bool cold_ = true;           ///< no step precedes the present one: forces begin at zero, and it takes first_sweeps

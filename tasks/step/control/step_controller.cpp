@@ -277,14 +277,14 @@ ErrorControl::ErrorControl(Workspace& workspace, const StepMethod& method, const
       estimates_(settings.control != StepControl::fixed),
       decides_(settings.control == StepControl::error),
       tolerance_(settings.tolerance),
-      size_(longest_step(settings), std::max(1, method.error_power())) {
-    if (estimates_ && method.error_power() == 0)
+      size_(longest_step(settings), std::max(1, method.error_estimate().power)) {
+    if (estimates_ && method.error_estimate().power == 0)
         throw std::invalid_argument("this method has no error estimate: run.step_control must be \"fixed\"");
     w_.step.estimate_error = estimates_;
 }
 
 void ErrorControl::prepare(const StepMethod& method) const {
-    if (estimates_) w_.step.error_row = *method.error_row();
+    if (estimates_) w_.step.error_row = method.error_estimate().row;
 }
 
 bool ErrorControl::accepts(bool retaken) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "model/contact/friction_operator.hpp"
+#include "model/contact/friction_stage.hpp"
 #include "model/kernels/available_isas.hpp"
 #include "model/kernels/kernels.hpp"
 #include "model/kernels/step_end.hpp"
@@ -302,9 +303,9 @@ struct Links {
     }
 
     bool finish(Isa isa, bool with_secants) {
-        return kernels_of(isa).halves().friction.end({velocity.at(0, 1), velocity.stride(), counted_from.data(), start.data(), end.data(),
-                                                      with_secants ? secants.data() : nullptr, step, limit},
-                                                     links);
+        return kernels_of(isa).friction().end({velocity.at(0, 1), velocity.stride(), counted_from.data(), start.data(), end.data(),
+                                               with_secants ? secants.data() : nullptr, step, limit},
+                                              links);
     }
     /// finish() number by number.
     void finish_plainly(bool with_secants) {

@@ -26,7 +26,8 @@ TEST(MethodChoice, WhatProgramsSayOfTheirErrorIsWhatTheyDo) {
     for (const MethodProgram& program : method_programs()) {
         const Scene& scene = program.objection(halves.parameters).empty() ? halves : rigid;
         Workspace workspace(scene.parameters, Method(program.name).plan(), Partition::equal(scene.parameters.chain.pins, 1));
-        EXPECT_EQ(Method(program.name).estimates_error(), Method(program.name).make(workspace)->error_power() != 0) << program.name;
+        EXPECT_EQ(Method(program.name).estimates_error(), Method(program.name).make(workspace)->error_estimate().power != 0)
+            << program.name;
         estimating += program.estimates_error;
     }
     EXPECT_GE(estimating, 1);  // dumka3, which follows the spectrum, at least
