@@ -129,9 +129,9 @@ void RigidModel::link_forces(const RigidKick& kick, RigidColumns& columns, Rigid
     f.account = {};
     columns.wrap(Column::x, Column::vbend_y);
     kernels_.pitch_lines(columns);
-    columns.wrap(Column::line_x, Column::line_turn);
+    columns.wrap(Column::line_x, Column::line_turn_ahead);
     kernels_.rolling_frames(coefficients_, columns);
-    columns.wrap(Column::bisector_x, Column::offset_vy);
+    columns.wrap(Column::bisector_x, Column::offset_ahead_y);
     kernels_.link_forces(coefficients_, kick, columns, f.account);
     columns.wrap(Column::pull_x, Column::bow_y);
     kernels_.joint_forces(coefficients_, kick, columns, f.account);

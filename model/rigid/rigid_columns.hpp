@@ -58,10 +58,11 @@ enum class Column {
     torsion_damping,    ///< d_χ [N·s/m]
     longer,             ///< λ: excess of half the pin's length over ℓ_p/2 [m]
     // Pitch line of a link.
-    line_x,        ///< t_x: direction
-    line_y,        ///< t_y: direction
-    line_inverse,  ///< 1/ℓ [1/m]
-    line_turn,     ///< θ': turning rate [rad/s]
+    line_x,           ///< t_x: direction
+    line_y,           ///< t_y: direction
+    line_inverse,     ///< 1/ℓ [1/m]
+    line_turn,        ///< θ': turning rate [rad/s]
+    line_turn_ahead,  ///< θ' at the end of the step, extrapolated from this step and the last one [rad/s]
     // Rolling of the halves of a pin on each other.
     bisector_x,      ///< b_x: direction of the bisector of both pitch lines
     bisector_y,      ///< b_y: direction of the bisector of both pitch lines
@@ -71,6 +72,8 @@ enum class Column {
     offset_y,        ///< u_y: front half against rear half [m]
     offset_vx,       ///< u_x' [m/s]
     offset_vy,       ///< u_y' [m/s]
+    offset_ahead_x,  ///< u_x' at the end of the step, by line_turn_ahead [m/s]
+    offset_ahead_y,  ///< u_y' at the end of the step, by line_turn_ahead [m/s]
     // Forces of a link on its front half. The rear half has the opposite; of shear_x and shear_y the same.
     pull_x,   ///< force on the middle, x [N]
     pull_y,   ///< force on the middle, y [N]
@@ -112,8 +115,10 @@ enum class Column {
     plate_friction_moment,         ///< Π: friction of the plates at +z less that of those at -z [N]
     plate_friction_before,         ///< P of the last step [N]
     plate_friction_moment_before,  ///< Π of the last step [N]
-    plate_slip_low,                ///< |sliding speed| at the end of the step [m/s]
-    plate_slip_high,               ///< |sliding speed| at the end of the step [m/s]
+    plate_slip_low,                ///< sliding speed at the end of the step [m/s]
+    plate_slip_high,               ///< sliding speed at the end of the step [m/s]
+    plate_slip_low_before,         ///< plate_slip_low of the last step [m/s]
+    plate_slip_high_before,        ///< plate_slip_high of the last step [m/s]
     plate_free_slip,               ///< sliding speed without plate friction [m/s]
     plate_rhs,                     ///< B: friction of the free sliding speeds [N]
     plate_secant,                  ///< F: friction per sliding speed, of all plates [N·s/m]
@@ -121,7 +126,8 @@ enum class Column {
     // Friction between the halves of a pin along z.
     joint_friction,            ///< J: friction against ζ' [N]
     joint_friction_before,     ///< J of the last step [N]
-    joint_slip,                ///< |ζ'| at the end of the step [m/s]
+    joint_slip,                ///< ζ' at the end of the step [m/s]
+    joint_slip_before,         ///< joint_slip of the last step [m/s]
     joint_free_slip,           ///< ζ' without this friction [m/s]
     joint_secant,              ///< friction per free sliding speed [N·s/m]
     joint_coupling,            ///< β: share of a force parting the halves that friction between them takes, 0 … 1
@@ -144,6 +150,8 @@ enum class Column {
     tip_stiffness_rear,                            ///< stiffness of the rear half's tips [N/m]
     tip_loading_front,                             ///< rate of the force on the front half if it stood still along z [N/s]
     tip_loading_rear,                              ///< rate of the force on the rear half [N/s]
+    tip_damping_front,                             ///< damping of the front half's tips against its motion along z [N·s/m]
+    tip_damping_rear,                              ///< damping of the rear half's tips [N·s/m]
     tip_offset_moment_x,                           ///< A g of the tips' forces, x [N·m]
     tip_offset_moment_y,                           ///< A g of the tips' forces, y [N·m]
     tip_moment_front,                              ///< moment of the front half's tips on the pitch line behind the pin [N·m]

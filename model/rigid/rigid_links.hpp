@@ -18,7 +18,9 @@ inline void pitch_lines(RigidColumns& all) noexcept {
         const Plane line = inverse * chord;
         write_plane(columns, Column::line_x, i, line);
         write(columns, Column::line_inverse, i, inverse);
-        write(columns, Column::line_turn, i, cross(line, rate) * inverse);
+        const PinLanes turn = cross(line, rate) * inverse;
+        write(columns, Column::line_turn_ahead, i, 2.0 * turn - read(columns, Column::line_turn, i));
+        write(columns, Column::line_turn, i, turn);
     }
 }
 
@@ -41,12 +43,15 @@ inline void rolling_frames(const RigidCoefficients& c, RigidColumns& all) noexce
         const PinLanes inverse = 1.0 / sqrt(dot(both, both));
         const PinLanes across = c.diameter * inverse, along = across - c.arm;
         const Rolling rolling{inverse * both, along, across};
-        const Plane rate = read(columns, Column::line_turn, i - 1) * turned(behind) + read(columns, Column::line_turn, i) * turned(ahead);
+        const auto parting_by = [&](Column turn) {
+            return rolling * (read(columns, turn, i - 1) * turned(behind) + read(columns, turn, i) * turned(ahead));
+        };
         write_plane(columns, Column::bisector_x, i, rolling.bisector);
         write(columns, Column::rolling_along, i, along);
         write(columns, Column::rolling_across, i, across);
         write_plane(columns, Column::offset_x, i, along * both);
-        write_plane(columns, Column::offset_vx, i, rolling * rate);
+        write_plane(columns, Column::offset_vx, i, parting_by(Column::line_turn));
+        write_plane(columns, Column::offset_ahead_x, i, parting_by(Column::line_turn_ahead));
     }
 }
 

@@ -133,22 +133,36 @@ inline void solve_friction(double step_per_mass, RigidColumns& columns) noexcept
 /// that plates hold oscillate with the factor h² tip_stiffness/m, at most 4 for any stable step of a leapfrog.
 constexpr double expected_share = 0.75;
 
+/// Sliding speed to be expected at the end of this step, extrapolated from those at the ends of the last two; the last one then becomes the
+/// one before. With the sliding speed of the last step friction lags by a step, which is most of a step's error.
+[[nodiscard, gnu::always_inline]] inline PinLanes expected_slip(const RigidView& columns, Column slip, Column before, int i) noexcept {
+    const PinLanes last = read(columns, slip, i), expected = abs(2.0 * last - read(columns, before, i));
+    write(columns, before, i, last);
+    return expected;
+}
+
 /// Velocities of the pins and of their halves on each other along z, and the friction per speed of the halves, before plates rub. Forces of
-/// the tips are those of the last step and their expected change.
+/// the tips are those of the last step and their expected change: by the tips' stiffness, and by their damping as velocities changed in the
+/// last step.
 inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all) noexcept {
     const RigidView columns(all);
-    const PinLanes half_step(0.5 * expected_share * kick.step), per_slide(kick.step / c.slide_mass), per_mass(kick.step / c.mass);
+    const PinLanes half_share(0.5 * expected_share * kick.step), half_step(0.5 * kick.step);
+    const PinLanes per_slide(kick.step / c.slide_mass), per_mass(kick.step / c.mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes along = read(columns, Column::vz, i), apart = read(columns, Column::vslide, i);
-        const auto half_change = [&](int half, const PinLanes& speed) {
+        const PinLanes faster = kick.implicit() ? read(columns, Column::acceleration_z, i) : PinLanes(0.0),
+                       parting = kick.implicit() ? 0.5 * read(columns, Column::acceleration_slide, i) : PinLanes(0.0);
+        const auto half_change = [&](int half, const PinLanes& speed, const PinLanes& acceleration) {
             const PinLanes stiffness = read(columns, Column::tip_stiffness_front + half, i);
-            return half_step * (read(columns, Column::tip_loading_front + half, i) - stiffness * speed);
+            return half_share * (read(columns, Column::tip_loading_front + half, i) - stiffness * speed) -
+                   half_step * (read(columns, Column::tip_damping_front + half, i) * acceleration);
         };
-        const PinLanes front = half_change(0, along + 0.5 * apart), rear = half_change(1, along - 0.5 * apart);
+        const PinLanes front = half_change(0, along + 0.5 * apart, faster + parting),
+                       rear = half_change(1, along - 0.5 * apart, faster - parting);
         const PinLanes on_slide = read(columns, Column::tip_force_slide, i) + (front - rear);
         const PinLanes on_pin = read(columns, Column::force_z, i) + read(columns, Column::tip_force_z, i) + 2.0 * (front + rear);
         const PinLanes drive = apart + per_slide * (read(columns, Column::force_slide, i) + on_slide);
-        const PinLanes speed = kick.implicit() ? read(columns, Column::joint_slip, i) : abs(drive);
+        const PinLanes speed = kick.implicit() ? expected_slip(columns, Column::joint_slip, Column::joint_slip_before, i) : abs(drive);
         const PinLanes secant =
             c.joint_friction.coefficient * read(columns, Column::joint_normal, i) * slip_factor<rigid_lanes>(c.joint_friction, speed);
         const PinLanes held = secant / (1.0 + per_slide * secant);
@@ -185,7 +199,7 @@ inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
         const PinLanes acting = kick.implicit() ? 0.5 * (friction + read(columns, Column::joint_friction_before, i)) : friction;
         lost.add(i, acting * read(columns, Column::vslide, i));
         write(columns, Column::joint_friction, i, friction);
-        write(columns, Column::joint_slip, i, abs(drive - per_slide * friction));
+        write(columns, Column::joint_slip, i, drive - per_slide * friction);
     }
     account.lose(Loss::joint_friction, lost.value());
 }
@@ -204,13 +218,8 @@ inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
            ahead * (friction + read(columns, Column::plate_friction, i + 1)) - 4.0 * friction;
 }
 
-/// Friction of the plates of neighbouring links along the pin that they share, and of its halves on each other. The sliding speeds at the
-/// end of the step are kept for the next one. The loss by the pins' lengthening is counted with the tips that do its work.
-inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
-    const RigidView columns(all);
-    PinSum lost(columns);
-    free_slips(c, kick, all);
-    const PinLanes per_mass(kick.step / c.mass);
+/// Sliding speeds of the plates before they rub, their friction per sliding speed, and the friction at those speeds.
+inline void grip_plates(const RigidCoefficients& c, const RigidKick& kick, const RigidView& columns) noexcept {
     const auto parted = [&](int i) {
         return 0.5 * (1.0 - read(columns, Column::joint_coupling, i)) * read(columns, Column::joint_free_slip, i);
     };
@@ -219,10 +228,12 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
         const PinLanes parting = plate_parting(c, columns, i);
         const PinLanes drive =
             read(columns, Column::axial_free_speed, i + 1) - read(columns, Column::axial_free_speed, i) + parted(i + 1) + parted(i);
-        const auto grip_at = [&](const PinLanes& now, Column kept) {
-            return capacity * slip_factor<rigid_lanes>(c.plate_friction, kick.implicit() ? read(columns, kept, i) : abs(now));
+        const auto grip_at = [&](const PinLanes& now, Column slip, Column before) {
+            return capacity *
+                   slip_factor<rigid_lanes>(c.plate_friction, kick.implicit() ? expected_slip(columns, slip, before, i) : abs(now));
         };
-        const PinLanes low = grip_at(drive - parting, Column::plate_slip_low), high = grip_at(drive + parting, Column::plate_slip_high);
+        const PinLanes low = grip_at(drive - parting, Column::plate_slip_low, Column::plate_slip_low_before),
+                       high = grip_at(drive + parting, Column::plate_slip_high, Column::plate_slip_high_before);
         const PinLanes rhs = low * (drive - parting) + high * (drive + parting);
         write(columns, Column::plate_secant, i, low + high);
         write(columns, Column::plate_secant_high, i, high);
@@ -230,6 +241,16 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
         write(columns, Column::plate_rhs, i, rhs);
         if (!kick.implicit()) write(columns, Column::plate_friction, i, rhs);
     }
+}
+
+/// Friction of the plates of neighbouring links along the pin that they share, and of its halves on each other. The sliding speeds at the
+/// end of the step are kept for the next one. The loss by the pins' lengthening is counted with the tips that do its work.
+inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
+    const RigidView columns(all);
+    PinSum lost(columns);
+    const PinLanes per_mass(kick.step / c.mass);
+    free_slips(c, kick, all);
+    grip_plates(c, kick, columns);
     if (kick.implicit()) solve_friction(kick.step / c.mass, all);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes friction = read(columns, Column::plate_friction, i), parting = plate_parting(c, columns, i);
@@ -238,8 +259,8 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
         const PinLanes slide = read(columns, Column::plate_free_slip, i) + per_mass * slowing(columns, i);
         const PinLanes high = read(columns, Column::plate_secant_high, i);
         write(columns, Column::plate_friction_moment, i, 2.0 * (high * (slide + parting)) - friction);
-        write(columns, Column::plate_slip_low, i, abs(slide - parting));
-        write(columns, Column::plate_slip_high, i, abs(slide + parting));
+        write(columns, Column::plate_slip_low, i, slide - parting);
+        write(columns, Column::plate_slip_high, i, slide + parting);
     }
     account.lose(Loss::plate_friction, lost.value());
     all.wrap(Column::plate_friction, Column::plate_friction_moment);

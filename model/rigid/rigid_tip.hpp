@@ -213,16 +213,18 @@ template <int W>
     to[5] += cross(tip.point, f.friction);
 }
 
-/// Response of both tips of a half, over the stiffness of a tip per η.
+/// Response of both tips of a half to its motion along z. Stiffness and loading are over the stiffness of a tip per η, damping over χ_T.
 template <int W>
 struct AxialResponse {
     Lanes<W> stiffness{0.0};  ///< stiffness against motion along z
     Lanes<W> loading{0.0};    ///< rate of change of the force [m/s]
+    Lanes<W> damping{0.0};    ///< damping against motion along z [N]
 
     /// @param rate δ_0' [m/s]
     [[gnu::always_inline]] void add(const TipPlace<W>& tip, const RigidNormalForce<W>& n, const Lanes<W>& rate) noexcept {
         stiffness += n.shortening * (tip.in * tip.in);
         loading += n.shortening * (rate * tip.normal_z);
+        damping += n.elastic * (tip.in * tip.in);
     }
     /// Rate of change if the half stood still along z. @param speed velocity of the half along z [m/s]
     [[nodiscard, gnu::always_inline]] Lanes<W> loading_at_rest(const Lanes<W>& speed) const noexcept { return loading + stiffness * speed; }

@@ -212,6 +212,7 @@ private:
         for (int k = 0; k < 2; ++k) {
             pins_.write(Column::tip_stiffness_front + k, widened<W>(n_.stiffness * of_half[k].stiffness));
             pins_.write(Column::tip_loading_front + k, widened<W>(n_.stiffness * of_half[k].loading_at_rest(motion_.velocity_z(k))));
+            pins_.write(Column::tip_damping_front + k, widened<W>(n_.damping * of_half[k].damping));
         }
     }
     [[gnu::always_inline]] void store(const RigidTipForces<W>& total) noexcept {

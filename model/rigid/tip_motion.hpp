@@ -110,7 +110,9 @@ struct TipNumbers {
           per_tilt(kick.step / c.tilt_mass),
           per_bend(kick.step / c.bend_mass),
           response(1.1 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
-          further_steps(c.further_steps + (kick.implicit() ? 0 : 2)) {}
+          further_steps(c.further_steps + (kick.implicit() ? 0 : 2)),
+          turn(kick.implicit() ? Column::line_turn_ahead : Column::line_turn),
+          offset_rate(kick.implicit() ? Column::offset_ahead_x : Column::offset_vx) {}
 
     Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< copies of members of RigidCoefficients
     Lanes<W> inward;                                                                       ///< R_p cos β [m]
@@ -120,8 +122,9 @@ struct TipNumbers {
     Lanes<W> bend_lever;                                                                   ///< copy of the member of RigidCoefficients
     Lanes<W> bent_outward_per_half, bent_per_half;                                         ///< outward_per_half and per_half for bending
     Lanes<W> per_mass, per_half_mass, per_tilt, per_bend;                                  ///< velocity per force over the step [m/s/N]
-    Lanes<W> response;  ///< response of the sliding velocity to friction, with a margin for neighbours [m/s/N]
-    int further_steps;  ///< further iterations of Newton's method
+    Lanes<W> response;         ///< response of the sliding velocity to friction, with a margin for neighbours [m/s/N]
+    int further_steps;         ///< further iterations of Newton's method
+    Column turn, offset_rate;  ///< θ' of pitch lines and u_x' of halves: in a step those at its end
 };
 
 /// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Loops over tips are not unrolled: the
@@ -257,11 +260,11 @@ private:
         if (c_.unequal) half.bend_rise -= convert<W>(pins_.read(Column::longer));
     }
     [[gnu::always_inline]] void read_half_rates(const D& spin, HalfMotion<W>& half, std::size_t which) noexcept {
-        const D turn = pins_.read(Column::line_turn, line_of(which));
+        const D turn = pins_.read(n_.turn, line_of(which));
         half.turn = convert<W>(turn);
         half.lag = convert<W>(spin - turn);
         half.slope_along = n_.per_half * dot(at_.end, half.line);
-        const PlaneD velocity = rate_.middle + D(share_of(which)) * pins_.plane(Column::offset_vx) +
+        const PlaneD velocity = rate_.middle + D(share_of(which)) * pins_.plane(n_.offset_rate) +
                                 (c_.outward * turn) * pins_.plane(Column::line_x, line_of(which));
         half.velocity = convert<W>(velocity);
         half.drift = convert<W>(velocity - spin * turned(half.place));

@@ -38,10 +38,11 @@ constexpr double accurate_growth = 0.15;
 
 /// Least number of steps in which a pin takes the place of the next one. A pin strikes its sheave, and rolls in its joint, within a few
 /// hundredths of that time. Without this limit, 23 of 400 machines of the lottery with rigid pins were off by more than 1 % in losses, by
-/// 3.7 % at most; with it 13, by 1.6 % at most. At 2000 rpm a pin takes 120 to 170 steps of 5 us. With halves machine 25 (5900 rpm, ratio
-/// 0.417) lost 1.6 % too little in 100 steps per pin, 0.5 % in 140, 0.1 % in 200, and a slip of 2e-4 (machine 0, 5276 rpm) was off by 1.5 %
-/// in 150, as held links allow; at 2000 rpm a pin takes 189 steps of 2.86 us and more.
-constexpr double steps_per_rigid_pin = 100.0, steps_per_pin_of_halves = 185.0;
+/// 3.7 % at most; with 100 steps per pin 13, by 1.6 % at most. With the method since decision 110, 85 steps are more exact than those were.
+/// At 2000 rpm a pin takes 120 to 170 steps of 5 us. With halves machine 25 (5900 rpm, ratio 0.417) lost 1.6 % too little in 100 steps per
+/// pin, 0.5 % in 140, 0.1 % in 200, and a slip of 2e-4 (machine 0, 5276 rpm) was off by 1.5 % in 150, as held links allow; at 2000 rpm a
+/// pin takes 189 steps of 2.86 us and more.
+constexpr double steps_per_rigid_pin = 85.0, steps_per_pin_of_halves = 185.0;
 
 /// Longest stable step of an oscillation ω with an explicit damping δ. A leapfrog that takes the damping at velocities extrapolated to the
 /// middle of the step is stable up to (h ω/2)² + h δ = 1. Where friction beside it takes some of the stability away, shares add up instead:

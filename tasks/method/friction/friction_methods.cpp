@@ -79,6 +79,7 @@ constexpr double rigid_damping_reach = 2.0;
             .solves = "one per contact, and one around the chain, for friction",
             .reach = {frictionless_reach, MethodReach::unlimited, MethodReach::unlimited, frictionless_reach, rigid_damping_reach},
             .longest_step = longest_rigid_step,
+            .revision = 2,
             .missing = missing_rigid_pins};
 }
 

@@ -162,7 +162,7 @@ public:
         return sizeof(*this) + normal_loads_.size() * sizeof(model::LinkLoad) + fields.bytes();
     }
 
-    const model::FrictionOperator friction;
+    model::FrictionOperator friction;
     SegmentFields fields;
 
 private:

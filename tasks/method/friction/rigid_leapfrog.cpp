@@ -128,6 +128,10 @@ void RigidLeapfrog::start() {
     forget_touching(pins_.columns, w_.layout().links);
     pulleys_.place();
     pins_.model.accelerate(pulleys_.sheaves(), pins_.columns, pins_.forces);
+    for (const auto& [slip, before] : {std::pair{model::Column::plate_slip_low, model::Column::plate_slip_low_before},
+                                       std::pair{model::Column::plate_slip_high, model::Column::plate_slip_high_before},
+                                       std::pair{model::Column::joint_slip, model::Column::joint_slip_before}})
+        pins_.columns.copy(slip, before);
     pulleys_.start(w_.step.time);
     kick_pins();
     half_way_ = {};

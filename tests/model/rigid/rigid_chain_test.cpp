@@ -195,8 +195,9 @@ Parameters chain_of(int pins, FrictionLaw law) {
     return oracle::with_rigid_pins(p);
 }
 
-/// Velocities, forces and kept sliding speeds without any order; a quarter of the links does not pull.
-void fill(RigidColumns& columns, unsigned seed) {
+/// Velocities, forces and sliding speeds of the last two steps without any order; a quarter of the links does not pull.
+RigidColumns filled_columns(const RigidModel& model, unsigned seed) {
+    RigidColumns columns = model.columns();
     std::mt19937 random(seed);
     const auto between = [&](double low, double high) { return low + (high - low) * static_cast<double>(random() % 1000) / 999.0; };
     for (int pin = 0; pin < columns.pins(); ++pin) {
@@ -207,21 +208,21 @@ void fill(RigidColumns& columns, unsigned seed) {
         columns[Column::force_slide][pin] = between(-150.0, 150.0);
         columns[Column::tip_force_slide][pin] = between(-150.0, 150.0);
         columns[Column::joint_normal][pin] = std::max(0.0, between(-1000.0, 3000.0));
-        columns[Column::joint_slip][pin] = between(0.0, 0.03);
+        for (const Column slip : {Column::joint_slip, Column::joint_slip_before}) columns[slip][pin] = between(-0.03, 0.03);
         columns[Column::tension][pin] = std::max(0.0, between(-1000.0, 3000.0));
-        columns[Column::plate_slip_low][pin] = between(0.0, 0.03);
-        columns[Column::plate_slip_high][pin] = between(0.0, 0.03);
+        for (int k = 0; k < 4; ++k) columns[Column::plate_slip_low + k][pin] = between(-0.03, 0.03);  // at both ends, now and before
         columns[Column::lengthening][pin] = between(-0.03, 0.03);
     }
     columns.wrap(Column::vz, Column::vslide);
     columns.wrap(Column::force_z, Column::force_slide);
     columns.wrap(Column::tip_force_z, Column::tip_force_slide);
     columns.wrap(Column::tension, Column::tension);
-    columns.wrap(Column::plate_slip_low, Column::plate_slip_high);
+    columns.wrap(Column::plate_slip_low, Column::plate_slip_high_before);
     columns.wrap(Column::lengthening, Column::lengthening);
+    return columns;
 }
 
-/// Friction per sliding speed at a kept speed. (model/EQUATIONS.md section 7)
+/// Friction per sliding speed at a speed. (model/EQUATIONS.md section 7)
 double grip_of(const Parameters& p, const Friction& friction, double normal, double speed) {
     const double v0 = friction.saturation_speed, d = p.detail.friction == FrictionLaw::piecewise ? 0.0 : p.detail.smoothing;
     const double beyond = speed - (1.0 - d) * v0;
@@ -241,8 +242,15 @@ double speed_behind(const RigidModel& model, const RigidColumns& columns, int of
     return speed + step / (0.5 * model.coefficients().mass) * force;
 }
 
+/// Sliding speeds of all pins or links, extrapolated from the last two steps.
+std::vector<double> expected_slips(const RigidColumns& columns, Column slip, Column before) {
+    std::vector<double> speeds;
+    for (int pin = 0; pin < columns.pins(); ++pin) speeds.push_back(std::abs(2.0 * columns[slip][pin] - columns[before][pin]));
+    return speeds;
+}
+
 /// The friction of each half of a link's plates, and of the halves of a pin, is its grip times the sliding speed that all frictions
-/// together leave behind.
+/// together leave behind. The grip is that at the sliding speed extrapolated from the last two steps.
 TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind) {
     constexpr double step = 5e-6;
     for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
@@ -250,10 +258,10 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
             SCOPED_TRACE(pins);
             const Parameters p = chain_of(pins, law);
             const RigidModel model(p);
-            RigidColumns columns = model.columns();
-            fill(columns, static_cast<unsigned>(pins));
-            const auto copy_of = [&](Column c) { return std::vector<double>(columns[c], columns[c] + pins); };
-            const auto low = copy_of(Column::plate_slip_low), high = copy_of(Column::plate_slip_high), kept = copy_of(Column::joint_slip);
+            RigidColumns columns = filled_columns(model, static_cast<unsigned>(pins));
+            const auto low = expected_slips(columns, Column::plate_slip_low, Column::plate_slip_low_before);
+            const auto high = expected_slips(columns, Column::plate_slip_high, Column::plate_slip_high_before);
+            const auto apart = expected_slips(columns, Column::joint_slip, Column::joint_slip_before);
             Account account;
             model.kernels().plate_friction(model.coefficients(), {step}, columns, account);
             model.kernels().joint_friction(model.coefficients(), {step}, columns, account);
@@ -264,9 +272,9 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
                 const auto after = [&](int of, int from, double half) { return speed_behind(model, columns, of, from, half, step); };
                 const double slides = after(next, pin, 1.0) - after(pin, before, -1.0);
                 const double parts = after(pin, before, 1.0) - after(pin, before, -1.0);
-                const double holds = grip_of(p, p.joint.friction, columns[Column::joint_normal][pin], kept[static_cast<std::size_t>(pin)]);
+                const double holds = grip_of(p, p.joint.friction, columns[Column::joint_normal][pin], apart[static_cast<std::size_t>(pin)]);
                 EXPECT_NEAR(joint[pin], holds * parts, 1e-9) << pin;
-                EXPECT_NEAR(columns[Column::joint_slip][pin], std::abs(parts), 1e-12) << pin;
+                EXPECT_NEAR(columns[Column::joint_slip][pin], parts, 1e-12) << pin;
                 const double parting =
                     model.coefficients().plate_reach * (columns[Column::lengthening][next] - columns[Column::lengthening][pin]);
                 const double tension = 0.5 * columns[Column::tension][pin];
@@ -274,8 +282,8 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
                 const double at_high = grip_of(p, p.plate.friction, tension, high[static_cast<std::size_t>(pin)]) * (slides + parting);
                 EXPECT_NEAR(friction[pin], at_low + at_high, 1e-9) << pin;
                 EXPECT_NEAR(columns[Column::plate_friction_moment][pin], at_high - at_low, 1e-9) << pin;
-                EXPECT_NEAR(columns[Column::plate_slip_low][pin], std::abs(slides - parting), 1e-12) << pin;
-                EXPECT_NEAR(columns[Column::plate_slip_high][pin], std::abs(slides + parting), 1e-12) << pin;
+                EXPECT_NEAR(columns[Column::plate_slip_low][pin], slides - parting, 1e-12) << pin;
+                EXPECT_NEAR(columns[Column::plate_slip_high][pin], slides + parting, 1e-12) << pin;
                 largest = std::max(largest, std::abs(friction[pin]));
                 held = std::max(held, std::abs(joint[pin]));
             }

@@ -58,11 +58,12 @@ TEST(AutoStep, OfRigidPinsIsShortWhereFrictionFalls) {
     EXPECT_EQ(step_at("rigid", "baseline", {"tip.friction_law=table", "tip.friction_table=[[0.02,0.05],[0.3,0.09]]"}).step, constant);
 }
 
-/// Pins of a fast chain strike their sheaves within few steps of 5 us: losses were up to 3.7 % off. The ready scenes are slower.
-TEST(AutoStep, OfRigidPinsTakesAHundredStepsPerPinOfAFastChain) {
+/// Pins of a fast chain strike their sheaves within few steps of 5 us: losses were up to 3.7 % off. The ready scenes are slower. 85 steps
+/// per pin are as exact as 100 were before friction took extrapolated sliding speeds (decision 110).
+TEST(AutoStep, OfRigidPinsTakes85StepsPerPinOfAFastChain) {
     const StepAtSpeed fast = step_at("rigid", "overdrive", {"drive.speed=5500 rpm"});
     EXPECT_LT(fast.pin_period, 0.3e-3);
-    EXPECT_LE(fast.step, 1.01e-2 * fast.pin_period);
+    EXPECT_LE(fast.step, 1.01 / 85.0 * fast.pin_period);
     for (const char* scene : {"baseline", "low", "overdrive", "control"})
         EXPECT_GE(step_at("rigid", scene, {}).step, 5e-6 * (1.0 - 1e-9)) << scene;
 }
