@@ -144,6 +144,9 @@ struct MeanError {
 /// Errors of an efficiency are relative to the losses' share of the input, at least to this [1].
 inline constexpr double share_of_efficiency = 0.02;
 
+/// Smallest slip by friction, and smallest slip by plain speeds, to which errors of steady means are relative [1].
+inline constexpr double min_steady_slip = 5e-4, min_plain_slip = 2e-3;
+
 /// Errors of the means of a span of time, by equal batches of whole pin periods.
 struct MeanErrors {
     static constexpr std::size_t count = 8;
@@ -157,8 +160,11 @@ struct MeanErrors {
     std::size_t moving = 0;                ///< the quantity that has changed so
     std::array<MeanError, count> error{};  ///< not a number: there is no such mean
 
-    /// Finds the largest error and change over what a tolerance allows: of each mean, of the ratio a share of that; slips below
-    /// `small_slip` and slack strands below a tenth of the tight one count as these. @param judged the quantity by which losses are judged
+    /// What errors of a mean are relative to; slips by friction below `small_slip`, plain slips also below min_plain_slip, and slack
+    /// strands below a tenth of the tight one count as these.
+    [[nodiscard]] double scale(std::size_t quantity, double small_slip) const noexcept;
+    /// Finds the largest error and change over what a tolerance allows: of each scale(), of the ratio a share of that.
+    /// @param judged the quantity by which losses are judged
     void judge(double tolerance, double of_ratio, double small_slip, std::size_t judged) noexcept;
 };
 
@@ -171,10 +177,12 @@ struct MeanErrors {
 /// Means of the last half of a run, in equal batches of whole pin periods, and their errors.
 struct SteadyMeans : MeanErrors {
     std::size_t begin = 0, batch = 0;  ///< index of the curve's first point, periods per batch
+    double unseen = 0.0;               ///< error that no mean shows, since it changes too slowly, relative [1]
+    double unseen_ratio = 0.0;         ///< the same of the ratio
     double off_target = 0.0;           ///< deviation of a ratio that is held; while it is large, the ratio still moves [1]
     double alternation = 0.0;          ///< amplitude of the tight tension at half the pin frequency over its mean [1]
     double swing = 0.0;                ///< root mean square of the tensions' differences from period to period, over the tight one [1]
-    bool early = false;                ///< less than three revolutions: a swing may not show yet
+    bool early = false;                ///< less than two revolutions: a swing may not show yet
     bool grows = false;                ///< alternation or swing is noticeable and grows: later means differ
     double sliding = 0.0;              ///< slip by friction of a chain that slides, and ever faster; else 0 [1]
 

@@ -184,13 +184,12 @@ void RunMeans::add(const model::Observation& now, const EnergySums& sums, double
     if (rule_.limit > 0.0 && !ended_) check_steady();
 }
 
-/// Checks are few, since each may find by chance what is not so.
 void RunMeans::check_steady() noexcept {
-    constexpr double later = 1.0 / 16.0, min_periods = 4.0;
+    constexpr double between_checks = 4.0;
     const double periods = static_cast<double>(curve_.points().size() - 1);
     ended_ = !(curve_.pin_period() > 0.0) || periods >= rule_.limit;
     if (!ended_ && periods < next_check_) return;
-    next_check_ = periods + std::max(min_periods, later * periods);
+    next_check_ = periods + between_checks;
     steady_ = steady_means(curve_, rule_);
     ended_ = ended_ || steady_.steady() || steady_.sliding > 0.0;
 }
