@@ -33,6 +33,7 @@ static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == si
     put(Mean::creep, now.creep.power);
     put(Mean::brought, std::max(0.0, now.work[0]) + std::max(0.0, now.work[1]));
     put(Mean::target, now.control.target);
+    put(Mean::opening, now.sheave_position[0]);
     if (needed_speed != 0.0) {
         put(Mean::needed, std::abs(needed_speed));
         put(Mean::astray, std::abs(now.speed[1] - needed_speed));
@@ -165,7 +166,7 @@ constexpr double sag_counts = 1.5;            ///< weight of the bend of a trend
 constexpr double noticed_alternation = 5e-4;  ///< smallest noticed alternation over the tension; other machines stay below 3e-4
 constexpr double noticed_swing = 1e-3;        ///< smallest noticed swing over the tight tension
 constexpr double growth_of_swing = 1.05;      ///< growth from one half of the window to the other that is noticed
-constexpr double min_revolutions = 2.0;       ///< shortest steady run: a controller swings within 90 to 250 pin periods
+constexpr double min_revolutions = 2.0;       ///< of a controller, whose swings last 90 to 250 pin periods; of a held sheave: one
 constexpr double unseen_share = 0.5;          ///< of the tolerance: what changes too slowly to show in half of a run that just passed
 constexpr double rail_scatter = 0.25;         ///< relative scatter of the loss by guides, 95 %, in a mean over rail_time
 constexpr double rail_time = 0.1;             ///< correlation time of impacts, longer than a short run shows [s]
@@ -339,20 +340,21 @@ MeanErrors mean_errors(const MeanCurve& curve) noexcept {
     return errors;
 }
 
-MeanErrors noted_errors(MeanErrors errors, double tolerance) noexcept {
-    errors.judge(tolerance, share_of_ratio, min_noted_slip, losses);
+MeanErrors noted_errors(MeanErrors errors, double tolerance, bool held) noexcept {
+    errors.judge(tolerance, held ? 1.0 : share_of_ratio, min_noted_slip, losses);
     return errors;
 }
 
 SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcept {
     const std::span<const MeanPoint> points = curve.points();
-    const std::size_t periods = points.empty() ? 0 : points.size() - 1, unit = static_cast<std::size_t>(rule.repeats);
+    const auto first = static_cast<std::size_t>(rule.controlled), unit = static_cast<std::size_t>(rule.repeats);
+    const std::size_t periods = points.size() <= first ? 0 : points.size() - 1 - first;
     SteadyMeans means;
     const std::size_t batches = std::min(max_blocks, periods / 2 / unit);
     if (batches < min_blocks || static_cast<double>(periods) < rule.pins) return means;
-    means.early = static_cast<double>(periods) < std::min(min_revolutions * rule.pins, rule.limit);
+    means.early = first == 0 && static_cast<double>(periods) < std::min(min_revolutions * rule.pins, rule.limit);
     means.batch = periods / 2 / batches / unit * unit;
-    means.begin = periods - batches * means.batch;
+    means.begin = first + periods - batches * means.batch;
     std::array<Block, max_blocks> blocks{};
     for (std::size_t k = 0; k < batches; ++k)
         blocks[k] = block_of(points[means.begin + k * means.batch], points[means.begin + (k + 1) * means.batch]);
@@ -368,7 +370,7 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
         error.drift = std::hypot(error.drift, (quantity == 0 ? means.unseen_ratio : means.unseen) * means.scale(quantity, min_steady_slip));
         error.drift += means.off_target * std::abs(quantity == efficiency ? 1.0 - error.mean : error.mean);
     }
-    means.judge(rule.tolerance, held ? share_of_ratio : 1.0, min_steady_slip, efficiency);
+    means.judge(rule.tolerance, held && rule.controlled == 0.0 ? share_of_ratio : 1.0, min_steady_slip, efficiency);
     judge_swing(points.subspan(means.begin), means);
     const MeanPoint& middle = points[means.begin + batches / 2 * means.batch];
     const double earlier = std::abs(middle.mean_since(begin, Mean::friction_slip));

@@ -179,12 +179,32 @@ TEST(SteadyMeans, OfARatioThatIsHeldAreAtItsTarget) {
     EXPECT_LE(std::abs(held.all().ratio - 1.4), held.steady().error[0].sum());
 }
 
-/// What a run shows when it passes is not all: half of its tolerance is stated beside it.
+/// What a run shows when it passes is not all: half of its tolerance is stated beside it. Of a ratio that is held, a tenth of that.
 TEST(SteadyMeans, StateWhatNoMeanShowsToo) {
     const MeanErrors& free = means_of([](double) { return 2000.0; }, 1.0).steady();
     EXPECT_NEAR(free.error[2].sum(), 0.005 * 2000.0, 1e-6);
     EXPECT_NEAR(free.error[0].sum(), 0.005, 1e-9);
     EXPECT_NEAR(free.error[5].sum(), 0.005 * 0.003, 0.05 * 0.005 * 0.003);
+    RunMeans held;
+    held.seek_steady({0.01, 20.0 * pins, pins, 1.0, true, 24.0});
+    for (double time = 0.0; !held.ended(); time += period / 10.3) {
+        model::Observation now;
+        now.time = time;
+        now.control = {1.0, time < 20.0 * period ? 1.1 : 1.002};  // what control does before is no part of the means
+        now.speed = {100.0 * now.control.value, 100.0};
+        now.sheave_position = {1e-3, 0.0};
+        now.clamping = {25e3, 20e3};
+        now.tight = 2000.0;
+        EnergySums sums;
+        sums.time = time;
+        sums.work = {1e4 * time, -9.8e3 * time};
+        sums.loss[0] = 200.0 * time;
+        held.add(now, sums, period);
+    }
+    EXPECT_FALSE(held.steady_fault());
+    EXPECT_NEAR(held.all().end, (24.0 + pins) * period, 6.0 * period);
+    EXPECT_NEAR(held.steady().error[0].sum(), (0.002 + 0.0005) * 1.002, 1e-4);
+    EXPECT_NEAR(held.all().begin, (24.0 + 0.5 * pins) * period, 8.0 * period);
 }
 
 TEST(SteadyMeans, OfAChainThatSlidesEndEarly) {
