@@ -13,6 +13,14 @@ namespace cvtflow::model {
 namespace {
 
 constexpr double full_drag_speed = 1.0;  ///< below, dry drag is proportional to the speed [rad/s]
+constexpr double following_time = 0.01;  ///< with which a controller's integral follows the force of a sheave that is held [s]
+
+/// S_1 of a sheave that is held [N]. block [unknowns of the pulleys]
+double holding_force(const HeldSheave& held, const PulleyCoordinates& at, const double* block) noexcept {
+    constexpr double stiffness = 1e9, damping = 3e4;  // [N/m, N*s/m]
+    const double moved = at.opening(block, 0) - held.opening, speed = at.opening(block + at.size(), 0);
+    return std::max(0.0, held.force + stiffness * moved + damping * speed);
+}
 
 }  // namespace
 
@@ -173,6 +181,12 @@ Inputs PulleyInputs::requested(double t, const double* tail) const noexcept {
     clamping[1] = driven_clamping(clamping_, clamping[1], load, driven_lever(tail));
     for (int k = 0; k < controllers_; ++k) {
         const Governing& by = governing_[static_cast<std::size_t>(k)];
+        if (const auto& held = torques_.held().sheave; held && by.quantity == ControlledQuantity::ratio) {
+            const double found = holding_force(*held, coordinates(), tail) - clamping[0];
+            if (by.integral > 0.0) in.control_rate[0] = (found / by.integral - tail[2 * coordinates().size()]) / following_time;
+            clamping[0] += found;
+            continue;
+        }
         const auto limited = [&](double force) { return std::clamp(force, -by.authority, by.authority); };
         double& corrected = clamping[by.shaft];
         const double built_up = by.integral * tail[2 * coordinates().size() + k];

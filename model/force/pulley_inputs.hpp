@@ -64,6 +64,13 @@ struct CouplingState {
     double damping = 0.0;            ///< c [N·m·s/rad]
 };
 
+/// The driving sheave at a place, in place of ratio control: a stiff damped spring makes its clamping force.
+struct HeldSheave {
+    double opening = 0.0;  ///< w_h of the driving groove [m]
+    double force = 0.0;    ///< S_h there [N]
+    bool operator==(const HeldSheave&) const = default;
+};
+
 /// Inputs that the caller has set: a value that replaces the scene's table from then on.
 struct HeldInputs {
     std::optional<double> driving;              ///< S_1 [N]
@@ -75,6 +82,7 @@ struct HeldInputs {
     std::optional<double> ratio;                ///< of ratio control [1]
     std::optional<double> driving_pressure;     ///< hydraulics.mode pressure [Pa]
     std::optional<double> driven_pressure;      ///< [Pa]
+    std::optional<HeldSheave> sheave;           ///< with ratio control
     std::array<ReferenceAngle, 2> reference{};  ///< of the shafts
     bool coupled = false;  ///< whether couplings, load mode speed and hydraulics have taken over (ShaftTorques::couple)
     bool operator==(const HeldInputs&) const = default;

@@ -120,7 +120,10 @@ void CaseScalars::write_steady(std::size_t i, CaseResult& result) const {
     if (means.batches == 0) return;
     result.settled_for = means_.all().begin;
     if (!scalar.averages() || result.scalars[i] == 0.0) return;
-    result.errors[i] = means.off_target + error_of_mean(values).sum() / scalar.error_scale(result.scalars[i]);
+    const double value = result.scalars[i], scale = scalar.error_scale(value),
+                 unseen = scalar.is("ratio") ? means.unseen_ratio : means.unseen;
+    const double smallest = scalar.is("slip") ? min_plain_slip : scalar.is("friction_slip") ? min_steady_slip : 0.0;
+    result.errors[i] = means.off_target + std::hypot(unseen * std::max(scale, smallest), error_of_mean(values).sum()) / scale;
 }
 
 void CaseScalars::save(std::vector<double>& memory) const {

@@ -33,6 +33,7 @@ static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == si
     put(Mean::creep, now.creep.power);
     put(Mean::brought, std::max(0.0, now.work[0]) + std::max(0.0, now.work[1]));
     put(Mean::target, now.control.target);
+    put(Mean::opening, now.sheave_position[0]);
     if (needed_speed != 0.0) {
         put(Mean::needed, std::abs(needed_speed));
         put(Mean::astray, std::abs(now.speed[1] - needed_speed));
@@ -165,13 +166,13 @@ constexpr double sag_counts = 1.5;            ///< weight of the bend of a trend
 constexpr double noticed_alternation = 5e-4;  ///< smallest noticed alternation over the tension; other machines stay below 3e-4
 constexpr double noticed_swing = 1e-3;        ///< smallest noticed swing over the tight tension
 constexpr double growth_of_swing = 1.05;      ///< growth from one half of the window to the other that is noticed
-constexpr double min_revolutions = 3.0;       ///< shortest steady run: swings of strands grow within tenths of a second from nothing
+constexpr double min_revolutions = 2.0;       ///< of a controller, whose swings last 90 to 250 pin periods; of a held sheave: one
+constexpr double unseen_share = 0.5;          ///< of the tolerance: what changes too slowly to show in half of a run that just passed
 constexpr double rail_scatter = 0.25;         ///< relative scatter of the loss by guides, 95 %, in a mean over rail_time
 constexpr double rail_time = 0.1;             ///< correlation time of impacts, longer than a short run shows [s]
 constexpr double often_limited = 0.05;        ///< share of time at its limit above which a control holds nothing
 constexpr double most_slip = 0.1;             ///< slip above which load or clamping decide alone; a chain that holds creeps by a hundredth
 constexpr double growth_of_sliding = 1.1;     ///< growth from one half of the window to the other; an imposed slip does not grow
-constexpr double min_steady_slip = 5e-4;      ///< smallest slip to which errors are relative in steady_means()
 constexpr double min_noted_slip = 3e-3;       ///< smallest slip to which errors are relative in notes: steps are exact to 3e-5 of a speed
 constexpr double share_of_ratio = 0.1;        ///< tolerance of the ratio over that of other means, which follow a ratio that moves
 constexpr double min_share_of_tight = 0.1;    ///< smallest slack tension over the tight one to which errors are relative
@@ -238,22 +239,23 @@ MeanError error_of_mean(std::span<const double> values) noexcept {
 
 std::string_view MeanErrors::name(std::size_t quantity) noexcept { return quantities[quantity]; }
 
+double MeanErrors::scale(std::size_t quantity, double small_slip) const noexcept {
+    const double mean = std::abs(error[quantity].mean);
+    switch (quantity) {
+        case 3: return std::max(mean, min_share_of_tight * std::abs(error[2].mean));
+        case 4: return std::max({mean, small_slip, min_plain_slip});
+        case 5: return std::max(mean, small_slip);
+        case efficiency: return std::max(share_of_efficiency, 1.0 - error[quantity].mean);
+        default: return mean;
+    }
+}
+
 void MeanErrors::judge(double tolerance, double of_ratio, double small_slip, std::size_t judged) noexcept {
     share = moved = 0.0;
-    const auto allowed = [&](std::size_t quantity) {
-        const double mean = std::abs(error[quantity].mean);
-        switch (quantity) {
-            case 0: return of_ratio * mean;
-            case 3: return std::max(mean, min_share_of_tight * std::abs(error[2].mean));
-            case 4:
-            case 5: return std::max(mean, small_slip);
-            case efficiency: return std::max(share_of_efficiency, 1.0 - error[quantity].mean);
-            default: return mean;
-        }
-    };
     for (std::size_t quantity = 0; quantity < count; ++quantity) {
         if (quantity >= losses && quantity != judged) continue;
-        const double most = tolerance * allowed(quantity), over = error[quantity].sum() / most, by = error[quantity].certain() / most;
+        const double most = tolerance * (quantity == 0 ? of_ratio : 1.0) * scale(quantity, small_slip), over = error[quantity].sum() / most,
+                     by = error[quantity].certain() / most;
         if (over > share) share = over, worst = quantity;
         if (by > moved) moved = by, moving = quantity;
     }
@@ -338,20 +340,21 @@ MeanErrors mean_errors(const MeanCurve& curve) noexcept {
     return errors;
 }
 
-MeanErrors noted_errors(MeanErrors errors, double tolerance) noexcept {
-    errors.judge(tolerance, share_of_ratio, min_noted_slip, losses);
+MeanErrors noted_errors(MeanErrors errors, double tolerance, bool held) noexcept {
+    errors.judge(tolerance, held ? 1.0 : share_of_ratio, min_noted_slip, losses);
     return errors;
 }
 
 SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcept {
     const std::span<const MeanPoint> points = curve.points();
-    const std::size_t periods = points.empty() ? 0 : points.size() - 1, unit = static_cast<std::size_t>(rule.repeats);
+    const auto first = static_cast<std::size_t>(rule.controlled), unit = static_cast<std::size_t>(rule.repeats);
+    const std::size_t periods = points.size() <= first ? 0 : points.size() - 1 - first;
     SteadyMeans means;
     const std::size_t batches = std::min(max_blocks, periods / 2 / unit);
     if (batches < min_blocks || static_cast<double>(periods) < rule.pins) return means;
-    means.early = static_cast<double>(periods) < std::min(min_revolutions * rule.pins, rule.limit);
+    means.early = first == 0 && static_cast<double>(periods) < std::min(min_revolutions * rule.pins, rule.limit);
     means.batch = periods / 2 / batches / unit * unit;
-    means.begin = periods - batches * means.batch;
+    means.begin = first + periods - batches * means.batch;
     std::array<Block, max_blocks> blocks{};
     for (std::size_t k = 0; k < batches; ++k)
         blocks[k] = block_of(points[means.begin + k * means.batch], points[means.begin + (k + 1) * means.batch]);
@@ -360,11 +363,14 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
     add_rails(begin, end, means);
     const bool held = rule.holds_ratio && end.mean_since(begin, Mean::limited) <= often_limited;
     means.off_target = held ? std::abs(end.mean_since(begin, Mean::missed)) : 0.0;
+    means.unseen = unseen_share * rule.tolerance;
+    means.unseen_ratio = means.unseen * (held ? share_of_ratio : 1.0);
     for (std::size_t quantity = 0; quantity < SteadyMeans::count; ++quantity) {  // what is held decides the others
         MeanError& error = means.error[quantity];
+        error.drift = std::hypot(error.drift, (quantity == 0 ? means.unseen_ratio : means.unseen) * means.scale(quantity, min_steady_slip));
         error.drift += means.off_target * std::abs(quantity == efficiency ? 1.0 - error.mean : error.mean);
     }
-    means.judge(rule.tolerance, held ? share_of_ratio : 1.0, min_steady_slip, efficiency);
+    means.judge(rule.tolerance, held && rule.controlled == 0.0 ? share_of_ratio : 1.0, min_steady_slip, efficiency);
     judge_swing(points.subspan(means.begin), means);
     const MeanPoint& middle = points[means.begin + batches / 2 * means.batch];
     const double earlier = std::abs(middle.mean_since(begin, Mean::friction_slip));

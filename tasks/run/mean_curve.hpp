@@ -27,6 +27,7 @@ enum class Mean {
     creep,    ///< power lost by creep [W]
     brought,  ///< power of the shafts that bring any [W]
     target,   ///< target of the first controller
+    opening,  ///< w of the driving sheave [m]
     needed,   ///< speed of shaft 2 that a cycle needs, and the distance of the speed from it [rad/s]
     astray,
     demanded,  ///< power that a cycle needs of shaft 2, without its sign, and what is missing to it [W]
@@ -71,6 +72,7 @@ struct SteadyRule {
     double pins = 0.0;         ///< pin periods of a revolution [1]
     double repeats = 1.0;      ///< pin periods after which the machine repeats itself: all of a revolution where it is imperfect [1]
     bool holds_ratio = false;  ///< ratio control: the ratio is steady at its target, to a tenth of the tolerance
+    double controlled = 0.0;   ///< pin periods of ratio control before the sheave is held (control.when_steady); 0: none [1]
 };
 
 /// Integrals by the trapezoidal rule over samples, which may lie at any distance from each other.
@@ -144,6 +146,9 @@ struct MeanError {
 /// Errors of an efficiency are relative to the losses' share of the input, at least to this [1].
 inline constexpr double share_of_efficiency = 0.02;
 
+/// Smallest slip by friction, and smallest slip by plain speeds, to which errors of steady means are relative [1].
+inline constexpr double min_steady_slip = 5e-4, min_plain_slip = 2e-3;
+
 /// Errors of the means of a span of time, by equal batches of whole pin periods.
 struct MeanErrors {
     static constexpr std::size_t count = 8;
@@ -157,24 +162,29 @@ struct MeanErrors {
     std::size_t moving = 0;                ///< the quantity that has changed so
     std::array<MeanError, count> error{};  ///< not a number: there is no such mean
 
-    /// Finds the largest error and change over what a tolerance allows: of each mean, of the ratio a share of that; slips below
-    /// `small_slip` and slack strands below a tenth of the tight one count as these. @param judged the quantity by which losses are judged
+    /// What errors of a mean are relative to; slips by friction below `small_slip`, plain slips also below min_plain_slip, and slack
+    /// strands below a tenth of the tight one count as these.
+    [[nodiscard]] double scale(std::size_t quantity, double small_slip) const noexcept;
+    /// Finds the largest error and change over what a tolerance allows: of each scale(), of the ratio a share of that.
+    /// @param judged the quantity by which losses are judged
     void judge(double tolerance, double of_ratio, double small_slip, std::size_t judged) noexcept;
 };
 
 /// Errors of the means over the time that is seen; fewer than four pin periods: none.
 [[nodiscard]] MeanErrors mean_errors(const MeanCurve& curve) noexcept;
 /// Judges errors as notes do: the ratio to a tenth of the tolerance, slips below 0.3 % to that share of 0.3 %, as far as a step resolves
-/// them.
-[[nodiscard]] MeanErrors noted_errors(MeanErrors errors, double tolerance) noexcept;
+/// them. @param held  the sheave is: a ratio that stays where it is off its target is none of this
+[[nodiscard]] MeanErrors noted_errors(MeanErrors errors, double tolerance, bool held) noexcept;
 
 /// Means of the last half of a run, in equal batches of whole pin periods, and their errors.
 struct SteadyMeans : MeanErrors {
     std::size_t begin = 0, batch = 0;  ///< index of the curve's first point, periods per batch
+    double unseen = 0.0;               ///< error that no mean shows, since it changes too slowly, relative [1]
+    double unseen_ratio = 0.0;         ///< the same of the ratio
     double off_target = 0.0;           ///< deviation of a ratio that is held; while it is large, the ratio still moves [1]
     double alternation = 0.0;          ///< amplitude of the tight tension at half the pin frequency over its mean [1]
     double swing = 0.0;                ///< root mean square of the tensions' differences from period to period, over the tight one [1]
-    bool early = false;                ///< less than three revolutions: a swing may not show yet
+    bool early = false;                ///< less than two revolutions of a controller: its swings may not show yet
     bool grows = false;                ///< alternation or swing is noticeable and grows: later means differ
     double sliding = 0.0;              ///< slip by friction of a chain that slides, and ever faster; else 0 [1]
 

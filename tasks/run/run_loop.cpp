@@ -1,8 +1,32 @@
 #include "tasks/run/run_loop.hpp"
 
 #include <limits>
+#include <numbers>
+
+#include "model/basis/portable_math.hpp"
+#include "model/machine/belt.hpp"
 
 namespace cvtflow::tasks {
+
+namespace {
+
+/// Where control has led the driving sheave: its mean in the last half of that time, moved by what the ratio was off
+/// (model/EQUATIONS.md section 8).
+[[nodiscard]] model::HeldSheave sheave_of(const RunMeans& means, const model::Parameters& p) noexcept {
+    const auto last = static_cast<std::size_t>(means.rule().controlled);
+    const MeanPoint &begin = means.curve().points()[last / 2], &end = means.curve().points()[last];
+    const double target = end.mean_since(begin, Mean::target);
+    model::HeldSheave held{end.mean_since(begin, Mean::opening), end.mean_since(begin, Mean::clamping)};
+    const auto radii = model::belt_radii(model::chain_length(p.chain), target, p.pulley.centre_distance);
+    if (!radii) return held;
+    const double lean = 2.0 * model::portable_asin((radii->driving - radii->driven) / p.pulley.centre_distance), half = std::numbers::pi;
+    const double rise = 1.0 / radii->driving + (half + lean) / (half - lean) / radii->driven;
+    const double narrowing = 0.5 * model::portable_cos(p.tip.angle) / model::portable_sin(p.tip.angle);
+    held.opening -= (end.ratio_since(begin) / target - 1.0) / (narrowing * rise);
+    return held;
+}
+
+}  // namespace
 
 RunEnd end_of(const Scene& scene) {
     const double latest = latest_end(scene);
@@ -33,14 +57,30 @@ Fault RunLoop::part(double until, double& wall) {
         if (settling) history_.settling = simulation_->counters();
         if (fault.kind != FaultKind::cancelled || !pause_) return fault;
         if (means_.ended()) return means_.steady_fault();
+        if (sheave_due()) {
+            hold_sheave();
+            continue;
+        }
         if (!pauses_.pass(*this)) return fault;
     }
+}
+
+bool RunLoop::sheave_due() const noexcept {
+    const double periods = means_.rule().controlled;
+    return periods > 0.0 && static_cast<double>(means_.curve().points().size()) > periods &&
+           !simulation_->workspace().variator.pulleys().torques().held().sheave;
+}
+
+void RunLoop::hold_sheave() {
+    model::HeldInputs held = simulation_->workspace().variator.pulleys().torques().held();
+    held.sheave = sheave_of(means_, simulation_->workspace().parameters);
+    simulation_->hold(held);
 }
 
 void RunLoop::output(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_ != nullptr) recorder_->output(time, workspace, counters);
     observer_.output(time, workspace, counters);
-    pause_ = pauses_.due(time, counters) || means_.ended();
+    pause_ = pauses_.due(time, counters) || means_.ended() || sheave_due();
 }
 
 bool RunLoop::samples(double time) const noexcept { return observer_.samples(time) || (recorder_ != nullptr && recorder_->samples(time)); }
@@ -48,7 +88,7 @@ bool RunLoop::samples(double time) const noexcept { return observer_.samples(tim
 void RunLoop::sample(double time, const Workspace& workspace, const Counters& counters) {
     if (recorder_ != nullptr && recorder_->samples(time)) recorder_->sample(time, workspace, counters);
     if (observer_.samples(time)) observer_.sample(time, workspace, counters);
-    pause_ = pause_ || means_.ended();
+    pause_ = pause_ || means_.ended() || sheave_due();
 }
 
 void RunLoop::transition(const TransitionRecord& record) {

@@ -53,6 +53,8 @@ public:
 
 private:
     [[nodiscard]] Fault part(double until, double& wall);
+    [[nodiscard]] bool sheave_due() const noexcept;  ///< whether control ends, and the sheave is held (control.when_steady)
+    void hold_sheave();
     void output(double time, const Workspace& workspace, const Counters& counters) override;
     [[nodiscard]] bool samples(double time) const noexcept override;
     void sample(double time, const Workspace& workspace, const Counters& counters) override;

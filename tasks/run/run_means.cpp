@@ -17,20 +17,23 @@ namespace {
 constexpr double gross_slip = 0.03;      ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
 constexpr double often = 0.05;           ///< share of time
 constexpr double misses = 0.01;          ///< share of a controller's target
+constexpr double misses_held = 0.003;    ///< the same of a ratio whose sheave is held
 constexpr double swings = 0.05;          ///< a controlled force: standard deviation over mean
 constexpr double known = 0.01;           ///< error of a mean beyond which it is no result to 1 %
 constexpr double misses_cycle = 0.02;    ///< speed of shaft 2 follows ECE-15 within 1.5 %
 constexpr double varies = 1e-6;          ///< a target that is a table, from fifth to fifth
 constexpr double standing_speed = 0.1;   ///< speed of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
 constexpr double resolved_share = 0.05;  ///< share of the losses that the balance may leave
-constexpr double takes_energy = 0.02;    ///< share of the input; 7e-4 over 11 pin periods of the settled baseline
+constexpr double periods_of_control = 24.0;  ///< pin periods of ratio control before a sheave is held
+constexpr double takes_energy = 0.02;        ///< share of the input; 7e-4 over 11 pin periods of the settled baseline
 
 constexpr NoteKind kinds[] = {
     {"gross_slip", "mean slip of the last fifth above 3 %"},
     {"control_limit",
      "a controller was at the limit of its authority in more than 5 % of the last fifth; where the target changes, of the run"},
     {"target_missed",
-     "the mean of what the first controller holds is off its target by more than 1 % in the last fifth; where the target changes, in any"},
+     "the mean of what the first controller holds is off its target by more than 1 % in the last fifth; where the target changes, in any; "
+     "where control.when_steady = \"hold\", by more than 0.3 %"},
     {"control_swing",
      "a clamping force that a controller makes swings: its standard deviation is above 5 % of its mean in each of the last four times 64 "
      "pin periods, or in each quarter of the last fifth if that is shorter"},
@@ -143,7 +146,8 @@ SpanMeans RunMeans::span(double from, double to) const {
 }
 
 MeanErrors RunMeans::errors() const noexcept {
-    return noted_errors(steady_.batches > 0 ? MeanErrors(steady_) : mean_errors(curve_), std::max(known, rule_.tolerance));
+    return noted_errors(steady_.batches > 0 ? MeanErrors(steady_) : mean_errors(curve_), std::max(known, rule_.tolerance),
+                        rule_.controlled > 0.0);
 }
 
 double RunMeans::begin() const noexcept { return steady_.batches == 0 ? curve_.first().time : curve_.points()[steady_.begin].time; }
@@ -160,8 +164,12 @@ SteadyRule steady_rule(const Scene& scene) noexcept {
     const bool turns_matter = p.imperfection.runout != 0.0 || p.imperfection.attachment != 1.0 || p.imperfection.unbalance != 0.0 ||
                               p.imperfection.pin_length_spread != 0.0 || pins % pitches != 0;
     const bool holds_ratio = p.control.enabled && p.control.quantity == model::ControlledQuantity::ratio;
-    return {scene.run.steady, scene.run.steady_limit * pins, static_cast<double>(pins), static_cast<double>(turns_matter ? pins : pitches),
-            holds_ratio};
+    return {scene.run.steady,
+            scene.run.steady_limit * pins,
+            static_cast<double>(pins),
+            static_cast<double>(turns_matter ? pins : pitches),
+            holds_ratio,
+            scene.when_steady == WhenSteady::hold ? periods_of_control : 0.0};
 }
 
 void RunMeans::clear() noexcept {
@@ -184,13 +192,12 @@ void RunMeans::add(const model::Observation& now, const EnergySums& sums, double
     if (rule_.limit > 0.0 && !ended_) check_steady();
 }
 
-/// Checks are few, since each may find by chance what is not so.
 void RunMeans::check_steady() noexcept {
-    constexpr double later = 1.0 / 16.0, min_periods = 4.0;
+    constexpr double between_checks = 4.0;
     const double periods = static_cast<double>(curve_.points().size() - 1);
     ended_ = !(curve_.pin_period() > 0.0) || periods >= rule_.limit;
     if (!ended_ && periods < next_check_) return;
-    next_check_ = periods + std::max(min_periods, later * periods);
+    next_check_ = periods + between_checks;
     steady_ = steady_means(curve_, rule_);
     ended_ = ended_ || steady_.steady() || steady_.sliding > 0.0;
 }
@@ -290,7 +297,7 @@ struct Controlled {
     const bool uncertain = doubt == Doubt::few || doubt == Doubt::uncertain;
     return {std::abs(last.slip) > gross_slip && !stands,
             control.limited > often,
-            std::abs(control.missed) > misses && !stands,
+            std::abs(control.missed) > (means.rule().controlled > 0.0 ? misses_held : misses) && !stands,
             last.swing > swings && !stands,
             last.loose > often,
             whole.beyond > 0.0,

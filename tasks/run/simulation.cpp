@@ -34,7 +34,7 @@ void couple(Workspace& w, double time, std::vector<double>& couplings) {
         couplings.insert(couplings.end(), {from.since, from.angle, from.zero});
 }
 
-/// @param numbers IntegrationState::couplings [none or 6]
+/// @param numbers IntegrationState::couplings [none, 6 or 8]
 void restore_couplings(model::Variator& variator, std::span<const double> numbers) {
     model::HeldInputs held = variator.pulleys().torques().held();
     held.coupled = !numbers.empty();
@@ -44,6 +44,8 @@ void restore_couplings(model::Variator& variator, std::span<const double> number
         reference = {numbers[0], numbers[1], numbers[2]};
         numbers = numbers.subspan(3);
     }
+    held.sheave.reset();
+    if (!numbers.empty()) held.sheave = {numbers[0], numbers[1]};
     variator.hold(held);
 }
 
@@ -176,7 +178,7 @@ void RunPart::end_settling() {
 }
 
 void RunPart::move_offset() {
-    if (scene_.gains == ControlGains::given) return;
+    if (scene_.gains == ControlGains::given || workspace_.variator.pulleys().torques().held().sheave) return;
     const model::ChainLayout& at = workspace_.layout();
     const model::Control& control = scene_.parameters.control;
     const double* tail = workspace_.state() + at.pulley_begin();
@@ -221,6 +223,10 @@ const IntegrationState& RunPart::integration_state() const {
 }
 
 void RunPart::inputs_changed() {
+    if (const auto& sheave = workspace_.variator.pulleys().torques().held().sheave) {
+        saved_.couplings.resize(6);
+        saved_.couplings.insert(saved_.couplings.end(), {sheave->opening, sheave->force});
+    }
     workspace_.energy.inputs_changed(time_, true);
     if (saved_.started && !controller_) workspace_.energy.save(saved_.energy);
     rest_known_ = !controller_;

@@ -39,6 +39,7 @@ bool has_control(const Scene& s) { return s.parameters.control.enabled; }
 bool has_second_control(const Scene& s) { return s.parameters.control.driven != model::DrivenControl::none; }
 bool controls_ratio(const Scene& s) { return has_control(s) && s.parameters.control.quantity == model::ControlledQuantity::ratio; }
 bool finds_gains(const Scene& s) { return s.gains != ControlGains::given; }
+bool holds_sheave(const Scene& s) { return s.when_steady == WhenSteady::hold; }
 bool couples_drive(const Scene& s) { return s.parameters.drive.mode == DriveMode::coupling; }
 bool couples_load(const Scene& s) { return s.parameters.load.mode != model::LoadMode::torque; }
 bool starts_as_belt(const Scene& s) { return s.parameters.start.layout == model::StartLayout::belt; }
@@ -280,6 +281,12 @@ constexpr Row rows[] = {
      "control.gains: \"found\" is about control of the ratio (control.enabled = true, control.quantity = \"ratio\")"},
     {also, finds_gains, [](const Scene& s) { return driven_clamping_at_start(s.parameters) > 0.0; },
      "control.gains: \"found\" requires a clamping force of shaft 2 at t = 0 (clamping.driven, or clamping.safety and a load)"},
+    {"control.when_steady control.enabled control.quantity run.until hydraulics.mode", holds_sheave, controls_ratio,
+     "control.when_steady: \"hold\" is about control of the ratio (control.enabled = true, control.quantity = \"ratio\")"},
+    {also, holds_sheave, [](const Scene& s) { return s.run.until.automatic(); },
+     "control.when_steady: \"hold\" is about runs that end when they are steady (run.until = \"steady\")"},
+    {also, holds_sheave, [](const Scene& s) { return !has_cylinders(s); },
+     "control.when_steady: \"hold\" replaces what makes the clamping force, and so does hydraulics.mode"},
     // An automatic step is 0 here: it becomes shorter where outputs require it.
     {"run.output_interval run.step", always, [](const Scene& s) { return s.run.output_interval >= s.run.step; },
      "run.output_interval: {run.output_interval s} is shorter than run.step = {run.step s}"},

@@ -320,6 +320,9 @@ std::span<const Parameter> parameter_table() {
      "Gains of ratio control: control.proportional and control.integral as given, or found from clamping force, speed and stiffness of the "
      "pulleys (cvtflow check states them); the offset that the proportional part leaves then moves into the integral part where settling "
      "ends."},
+    {"control.when_steady", "", 0, 0, {"control", "hold"}, of<&Scene::when_steady>,
+     "What keeps the ratio with run.until = \"steady\": control, or hold: the driving sheave, held after 24 pin periods of control at its "
+     "mean position, moved by what the ratio is off. The force that this takes is the clamping force."},
     {"control.proportional", "N", 0, 1e9, {}, of<&Control::proportional>,
      "Proportional gain: clamping force per relative error of speed or safety, or per error of slip."},
     {"control.integral", "N/s", 0, 1e12, {}, of<&Control::integral>,

@@ -22,7 +22,7 @@ struct Problem;
 using Slot = std::variant<double*, int*, long*, std::uint64_t*, bool*, std::string*, std::vector<double>*, model::TimeTable*,
                           model::SpeedTable*, AutoNumber*, std::vector<std::string>*, model::PinDetail*, model::PlateDetail*,
                           model::PulleyDetail*, model::FrictionLaw*, model::JointLaw*, model::TipFriction*, model::Sheave*,
-                          model::DriveMode*, model::LoadMode*, model::ControlledQuantity*, ControlGains*, DetailLevel*,
+                          model::DriveMode*, model::LoadMode*, model::ControlledQuantity*, ControlGains*, WhenSteady*, DetailLevel*,
                           model::DrivenControl*, model::HydraulicMode*, model::StartLayout*, Assembly*, PartitionKind*, StepControl*>;
 
 enum class Kind { number, auto_number, integer, choice, boolean, text, number_list, time_table, speed_table, text_list };

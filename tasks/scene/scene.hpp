@@ -80,6 +80,9 @@ struct RunSettings {
 /// Gains of ratio control: control.proportional and control.integral as given, or found from the machine, clamping force and speed.
 enum class ControlGains { given, found };
 
+/// What keeps the ratio of a run that ends when it is steady: control, or after a while the driving sheave, which is held.
+enum class WhenSteady { control, hold };
+
 /// detail.level: the keys of [detail] as they are given, or 1 + number of a level in detail_presets().
 enum class DetailLevel { given };
 
@@ -91,6 +94,7 @@ struct Scene {
     model::Vehicle vehicle;  ///< load, drive and control of `parameters` follow from it and the cycle (derive)
     model::Cycle cycle;
     ControlGains gains = ControlGains::given;
+    WhenSteady when_steady = WhenSteady::control;
     DetailLevel level = DetailLevel::given;  ///< `given` except while detail.level is read: then its keys are set, and state it (level_of)
     std::string state_file;                  ///< absolute path of the state to start from; empty: geometric start
     std::string state_place;                 ///< place of start.state, for problems that show later: `scene.toml:12:9: `; empty: nowhere

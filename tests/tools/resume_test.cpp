@@ -52,6 +52,27 @@ TEST_F(Resume, ContinuesMeansOfOutputsBitForBit) {
     expect_same("whole.h5", "cut.h5");
 }
 
+/// The cut is before or after the sheave is held.
+TEST_F(Resume, ContinuesARunUntilItIsSteadyBitForBit) {
+    const Words scene{"control", "-q",
+                      "--set",   "detail.level=rigid",
+                      "--set",   "start.state=",
+                      "--set",   "start.settling_time=10 ms",
+                      "--set",   "drive.speed=4000 rpm",
+                      "--set",   "run.steady=20 %",
+                      "--set",   "control.when_steady=hold",
+                      "--until", "steady"};
+    ASSERT_EQ(run(Words{"run"} + scene + Words{"-o", "whole.h5"}).status, 0);
+    for (const std::string steps : {"2000", "9000"}) {
+        const Outcome cut =
+            run(Words{"run"} + scene + Words{"-o", "cut.h5", "--checkpoint-every", "1 h", "--set", "run.max_steps=" + steps});
+        ASSERT_EQ(cut.status, 4) << cut.err;
+        ASSERT_EQ(run({"resume", "cut.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
+        expect_same("whole.h5", "cut.h5");
+        std::filesystem::remove(folder_ / "cut.h5");
+    }
+}
+
 int Resume::killed_and_resumed(int kills) const {
     EXPECT_EQ(run(run_to_be_ended("whole.h5")).status, 0);
     std::mt19937 chance(7);

@@ -140,8 +140,10 @@ std::string Scalar::description() const {
 
 bool Scalar::averages() const noexcept { return std::ranges::all_of(terms, &ScalarTerm::over_time); }
 
+bool Scalar::is(std::string_view channel) const noexcept { return terms.size() == 1 && terms[0].channel->name == channel; }
+
 double Scalar::error_scale(double value) const noexcept {
-    const bool efficiency = terms.size() == 1 && terms[0].reduction == Reduction::mean && terms[0].channel->name == "efficiency";
+    const bool efficiency = is("efficiency") && terms[0].reduction == Reduction::mean;
     return efficiency ? std::max(share_of_efficiency, 1.0 - value) : std::abs(value);
 }
 

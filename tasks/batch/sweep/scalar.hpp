@@ -56,6 +56,8 @@ struct Scalar {
     [[nodiscard]] bool averages() const noexcept;
     /// Whether it is undefined where no energy flows or shaft 2 is at rest, which is no fault of a case.
     [[nodiscard]] bool may_be_undefined() const noexcept { return std::ranges::any_of(terms, &ScalarTerm::quotient); }
+    /// Whether it is one term, of the channel of that name.
+    [[nodiscard]] bool is(std::string_view channel) const noexcept;
     /// Scale of the error of its mean, as of run.steady: the value, or the losses' share of the input for an efficiency.
     [[nodiscard]] double error_scale(double value) const noexcept;
 };
