@@ -86,7 +86,7 @@ public:
     [[nodiscard]] FrictionOperator all_sticking() const;
     [[nodiscard]] const FrictionKernels& kernels() const noexcept { return kernels_; }
 
-    /// From now on links are held as a step of this length holds them: what record() gives, and how velocities respond to forces.
+    /// Holds links from now on, as a step of this length does: what record() gives, and how velocities respond to forces.
     /// @param step rounded, so that the rounding of times renews nothing [s]
     void hold(float step) noexcept;
 
@@ -95,9 +95,9 @@ public:
     [[nodiscard]] const Coefficients& frictionless() const noexcept { return frictionless_; }
     /// Whether the branch of the law is that of the tip's phase (detail.stick_slip).
     [[nodiscard]] bool by_phase() const noexcept { return by_phase_; }
-    /// A⁻¹.
+    /// Inverse by which velocities respond to forces.
     [[nodiscard]] const HeldInverse& inverse() const noexcept { return inverse_; }
-    /// nullptr: links are not held.
+    /// Inverse of held links; nullptr: they are not held.
     [[nodiscard]] const HeldInverse* held() const noexcept { return held_for_ > 0.0F ? &inverse_ : nullptr; }
     [[nodiscard]] const FrictionNumbers& numbers() const noexcept { return numbers_; }
 

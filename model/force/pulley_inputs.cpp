@@ -13,7 +13,7 @@ namespace cvtflow::model {
 namespace {
 
 constexpr double full_drag_speed = 1.0;  ///< below, dry drag is proportional to the speed [rad/s]
-constexpr double following_time = 0.01;  ///< with which a controller's integral follows the force of a sheave that is held [s]
+constexpr double following_time = 0.01;  ///< time constant of a controller's integral that follows a held sheave's force [s]
 
 /// S_1 of a sheave that is held [N]. block [unknowns of the pulleys]
 double holding_force(const HeldSheave& held, const PulleyCoordinates& at, const double* block) noexcept {

@@ -82,7 +82,7 @@ struct HeldInputs {
     std::optional<double> ratio;                ///< of ratio control [1]
     std::optional<double> driving_pressure;     ///< hydraulics.mode pressure [Pa]
     std::optional<double> driven_pressure;      ///< [Pa]
-    std::optional<HeldSheave> sheave;           ///< with ratio control
+    std::optional<HeldSheave> sheave;           ///< driving sheave, with ratio control
     std::array<ReferenceAngle, 2> reference{};  ///< of the shafts
     bool coupled = false;  ///< whether couplings, load mode speed and hydraulics have taken over (ShaftTorques::couple)
     bool operator==(const HeldInputs&) const = default;

@@ -227,7 +227,7 @@ private:
         }
     }
 
-    const Coefficients& c_;  ///< with friction in them
+    const Coefficients& c_;  ///< friction included
     const HeldInverse* held_;
     const ChainRange& range_;
     const ContactDrift& drift_;

@@ -154,7 +154,7 @@ inline void accelerate(const LinkInertia& inertia, Lanes<W>* f) noexcept {
     multiply<4, 1>(inertia.axial, f + 4 * axis_terms);
 }
 
-/// The same of held links: the plates' stretch is accelerated by t·a + |d| θ'².
+/// Accelerations of held links likewise: the plates' stretch is accelerated by t·a + |d| θ'².
 template <int W>
 inline void accelerate(const HeldInverse& inverse, const LinkFrameOf<Lanes<W>>& frame, Lanes<W>* f) noexcept {
     const Lanes<W> outward = frame.turning * frame.turning / frame.inverse_length;

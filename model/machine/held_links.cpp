@@ -12,7 +12,7 @@ using Rows = std::array<double, axis_terms * axis_terms>;
 /// if the other half stood still. Larger ones lengthen no step, and their errors go with θ h² [1].
 constexpr double hold_of_plates = 1.0 / 3.0, hold_of_bending = 0.15, hold_of_joints = 0.2, hold_of_extension = 0.1;
 
-/// ½ (2 (m + factor k))⁻¹ of the first `size` modes, where they couple.
+/// Half of the inverse of 2 (m + factor k), of the first `size` modes where they couple.
 [[nodiscard]] Rows half_inverse(const Rows& m, const Rows& k, double factor, int size) noexcept {
     Rows matrix, half{};
     for (int row = 0; row < size; ++row) {

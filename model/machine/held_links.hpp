@@ -10,20 +10,20 @@
 
 namespace cvtflow::model {
 
-/// (M + h² K)⁻¹ of a link in its frame.
+/// Inverse of M + h² K of a link, in its frame.
 struct HeldInverse {
-    MirroredMatrix<double> along, across, axial;  ///< of x and y along the link, and across it; of z and e
+    MirroredMatrix<double> along, across, axial;  ///< blocks of x and y along the link and across it, of z and e
     std::array<double, axis_terms> turning{};     ///< h² K of the plates on their stretch, by which |d| θ'² counts as one [kg]
 };
 
-/// K = Σ θ K_i of pin halves: plates along the link, bending and extension of halves, and joints against modes 2 and 3 of each half.
+/// Stiffness K = Σ θ K_i of pin halves: plates along the link, bending and extension of halves, joints against modes 2 and 3 of each.
 class HeldLinks {
 public:
     HeldLinks(const Coefficients& coefficients, const LinkInertia& inertia);
 
     /// @param step h [s]
     [[nodiscard]] HeldInverse inverse(double step) const noexcept;
-    /// accelerations += factor M⁻¹ K moved, of the link at q. q, moved, accelerations: of a link's coordinates
+    /// Adds factor M⁻¹ K moved to the accelerations of the link at q. q, moved, accelerations: of a link's coordinates
     void add(double factor, const double* q, const double* moved, double* accelerations) const noexcept;
 
 private:

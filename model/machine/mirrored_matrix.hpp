@@ -7,7 +7,7 @@
 
 namespace cvtflow::model {
 
-/// [[a, b], [b, a]] acts on the sum of both ends as a + b and on their difference as a - b; modes of even and of odd order do not couple.
+/// Matrix [[a, b], [b, a]]: acts on the sum of both ends as a + b, on their difference as a - b; modes of even and odd order do not couple.
 template <class Number>
 struct MirroredMatrix {
     std::array<Number, axis_terms * axis_terms> sum{}, difference{};  ///< (a ± b)/2, rows axis_terms apart; where m + k is odd: 0
@@ -15,7 +15,7 @@ struct MirroredMatrix {
 
 namespace {
 
-/// product = matrix vector: `size` modes of the rear pin, then those of the front pin. Both may be the same.
+/// Multiplies `size` modes of the rear pin, then those of the front pin. Product and vector may be the same.
 template <int size, class Number, class V>
 inline void multiply_ends(const MirroredMatrix<Number>& matrix, const V* vector, V* product) noexcept {
     V both[size], apart[size];
@@ -36,7 +36,7 @@ inline void multiply_ends(const MirroredMatrix<Number>& matrix, const V* vector,
     }
 }
 
-/// The same for x and y of a link along t = (tx, ty): one matrix acts along it, the other one across. vector, product: x, then y
+/// Multiplies x, then y of a link along t = (tx, ty): one matrix acts along it, the other one across. They may be the same, too.
 template <class Number, class V>
 inline void multiply_turned(const MirroredMatrix<Number>& along, const MirroredMatrix<Number>& across, const V& tx, const V& ty,
                             const V* vector, V* product) noexcept {

@@ -124,7 +124,7 @@ private:
     engine::StagePlan plan_;
 };
 
-/// What a method's steps hold of the links of a chain; nullptr: nothing.
+/// Held links of a method's steps with a chain; nullptr: none are held.
 [[nodiscard]] std::shared_ptr<const model::HeldLinks> held_links(const Method& method, const model::ChainModel& chain);
 
 /// Reach of any method of the catalogue; of a table that declares none it is derived. @throws std::logic_error without a function that does

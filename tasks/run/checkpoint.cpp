@@ -55,7 +55,11 @@ std::string hash_of_method(const Scene& scene) {
     return hash.hex();
 }
 
-std::string hash_of_slope(const IntegrationState& at, const model::Variator& variator) {
+/// Hash of the slope without a sheave that is held: the scene alone decides.
+std::string hash_of_slope(const IntegrationState& at, model::Variator variator) {
+    model::HeldInputs held = variator.pulleys().torques().held();
+    held.sheave.reset();
+    variator.hold(held);
     model::EvaluationScratch scratch(variator.layout());
     std::vector<double> slope(static_cast<std::size_t>(variator.layout().size()));
     if (at.state.size() != slope.size()) return "another size";

@@ -166,16 +166,16 @@ constexpr double sag_counts = 1.5;            ///< weight of the bend of a trend
 constexpr double noticed_alternation = 5e-4;  ///< smallest noticed alternation over the tension; other machines stay below 3e-4
 constexpr double noticed_swing = 1e-3;        ///< smallest noticed swing over the tight tension
 constexpr double growth_of_swing = 1.05;      ///< growth from one half of the window to the other that is noticed
-constexpr double min_revolutions = 2.0;       ///< of a controller, whose swings last 90 to 250 pin periods; of a held sheave: one
-constexpr double unseen_share = 0.5;          ///< of the tolerance: what changes too slowly to show in half of a run that just passed
-constexpr double rail_scatter = 0.25;         ///< relative scatter of the loss by guides, 95 %, in a mean over rail_time
-constexpr double rail_time = 0.1;             ///< correlation time of impacts, longer than a short run shows [s]
-constexpr double often_limited = 0.05;        ///< share of time at its limit above which a control holds nothing
-constexpr double most_slip = 0.1;             ///< slip above which load or clamping decide alone; a chain that holds creeps by a hundredth
-constexpr double growth_of_sliding = 1.1;     ///< growth from one half of the window to the other; an imposed slip does not grow
-constexpr double min_noted_slip = 3e-3;       ///< smallest slip to which errors are relative in notes: steps are exact to 3e-5 of a speed
-constexpr double share_of_ratio = 0.1;        ///< tolerance of the ratio over that of other means, which follow a ratio that moves
-constexpr double min_share_of_tight = 0.1;    ///< smallest slack tension over the tight one to which errors are relative
+constexpr double min_revolutions = 2.0;  ///< shortest run under control, which swings within 90 to 250 pin periods; of a held sheave: one
+constexpr double unseen_share = 0.5;     ///< error by what changes too slowly to show in half of a run that just passed, over the tolerance
+constexpr double rail_scatter = 0.25;    ///< relative scatter of the loss by guides, 95 %, in a mean over rail_time
+constexpr double rail_time = 0.1;        ///< correlation time of impacts, longer than a short run shows [s]
+constexpr double often_limited = 0.05;   ///< share of time at its limit above which a control holds nothing
+constexpr double most_slip = 0.1;        ///< slip above which load or clamping decide alone; a chain that holds creeps by a hundredth
+constexpr double growth_of_sliding = 1.1;   ///< growth from one half of the window to the other; an imposed slip does not grow
+constexpr double min_noted_slip = 3e-3;     ///< smallest slip to which errors are relative in notes: steps are exact to 3e-5 of a speed
+constexpr double share_of_ratio = 0.1;      ///< tolerance of the ratio over that of other means, which follow a ratio that moves
+constexpr double min_share_of_tight = 0.1;  ///< smallest slack tension over the tight one to which errors are relative
 
 struct Block {
     double mean[8];  ///< means of `quantities`

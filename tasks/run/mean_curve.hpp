@@ -162,7 +162,7 @@ struct MeanErrors {
     std::size_t moving = 0;                ///< the quantity that has changed so
     std::array<MeanError, count> error{};  ///< not a number: there is no such mean
 
-    /// What errors of a mean are relative to; slips by friction below `small_slip`, plain slips also below min_plain_slip, and slack
+    /// Size to which errors of a mean are relative; slips by friction below `small_slip`, plain slips also below min_plain_slip, and slack
     /// strands below a tenth of the tight one count as these.
     [[nodiscard]] double scale(std::size_t quantity, double small_slip) const noexcept;
     /// Finds the largest error and change over what a tolerance allows: of each scale(), of the ratio a share of that.

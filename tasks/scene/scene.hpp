@@ -80,7 +80,7 @@ struct RunSettings {
 /// Gains of ratio control: control.proportional and control.integral as given, or found from the machine, clamping force and speed.
 enum class ControlGains { given, found };
 
-/// What keeps the ratio of a run that ends when it is steady: control, or after a while the driving sheave, which is held.
+/// Keeper of the ratio in a run that ends when it is steady: control, or after a while the driving sheave, which is held.
 enum class WhenSteady { control, hold };
 
 /// detail.level: the keys of [detail] as they are given, or 1 + number of a level in detail_presets().

@@ -31,7 +31,7 @@ protected:
 [[nodiscard]] std::unique_ptr<StepMap> leapfrog_step(const LinearChain& chain, const Kick& kick);
 /// Step with converged sweeps over contacts: friction by backward Euler on velocities.
 [[nodiscard]] std::unique_ptr<StepMap> backward_euler_leapfrog_step(const LinearChain& chain);
-/// The same with held links.
+/// Step of that kind with held links.
 [[nodiscard]] std::unique_ptr<StepMap> held_leapfrog_step(const LinearChain& chain);
 [[nodiscard]] std::unique_ptr<StepMap> implicit_step(const LinearChain& chain, const LinearPlan& plan);
 [[nodiscard]] std::unique_ptr<StepMap> trapezoidal_step(const LinearChain& chain);

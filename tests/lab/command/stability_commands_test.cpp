@@ -75,7 +75,7 @@ TEST_F(StabilityCommands, StabilityOnASceneIsPredictedAndMeasuredForMethodsThatA
                                                     "predicted, 2\\.[0-9]+ us measured \\([-+][0-4]\\."));
     EXPECT_THAT(outcome.out,
                 testing::ContainsRegex(
-                    "\n  leapfrog-sweep +2\\.[0-9]+ us \\(oscillation of .*\\) predicted, 2\\.[0-9]+ us measured \\([-+][0-4]\\."));
+                    "\n  leapfrog-sweep +3\\.[0-9]+ us \\(oscillation of .*\\) predicted, 3\\.[0-9]+ us measured \\([-+][0-4]\\."));
     EXPECT_THAT(read("maps/stability-leapfrog-rkc.svg"), HasSubstr(">the scene at 2."));
     EXPECT_THAT(read("maps/stability-programs.csv"), testing::ContainsRegex("\nleapfrog-rkc,.*,2\\.[0-9]+e-06,2\\.[0-9]+e-06\n"));
 }

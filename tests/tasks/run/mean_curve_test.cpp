@@ -179,7 +179,7 @@ TEST(SteadyMeans, OfARatioThatIsHeldAreAtItsTarget) {
     EXPECT_LE(std::abs(held.all().ratio - 1.4), held.steady().error[0].sum());
 }
 
-/// What a run shows when it passes is not all: half of its tolerance is stated beside it. Of a ratio that is held, a tenth of that.
+/// Errors state half of the tolerance beside what a run shows when it passes, of a ratio that is held a tenth of that.
 TEST(SteadyMeans, StateWhatNoMeanShowsToo) {
     const MeanErrors& free = means_of([](double) { return 2000.0; }, 1.0).steady();
     EXPECT_NEAR(free.error[2].sum(), 0.005 * 2000.0, 1e-6);

@@ -11,6 +11,7 @@
 #include "tasks/method/friction/kick_system.hpp"
 #include "tasks/method/friction/sweep_leapfrog.hpp"
 #include "tasks/method/method.hpp"
+#include "tasks/run/run.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
@@ -134,6 +135,19 @@ TEST(SweepLeapfrog, BooksTheLossesOfItsForcesAndNotOfTheLaw) {
     SilentObserver silent;
     ASSERT_FALSE(simulation.advance({.until = 2e-3}, silent, uncancelled));
     EXPECT_LT(std::abs(simulation.workspace().energy.balance().relative()), 3e-3);
+}
+
+/// Strands of held links have the forces of steps that hold a sixteenth as much. If a link's turning accelerated its stretch, they would
+/// carry 2e-4 more.
+TEST(SweepLeapfrog, StrandsCarryWhatTheyCarryInShortSteps) {
+    const auto tight = [](const char* step) {
+        Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-sweep", std::string("run.step=") + step, "run.until=10 ms",
+                                                       "run.output_interval=25 us", "run.schedule=serial"});
+        return run_scene(scene, {}).whole.tight;
+    };
+    const double force = tight("2.777778 us"), in_short_steps = tight("0.694445 us");
+    EXPECT_GT(force, 4000.0);
+    EXPECT_NEAR(force / in_short_steps, 1.0, 1e-4);
 }
 
 TEST(SweepLeapfrog, LeavesRunOutThatMovesFlanksFarToOtherMethods) {
