@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "model/law/friction.hpp"
+#include "tasks/scene/parameter_table.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {
