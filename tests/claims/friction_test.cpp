@@ -146,8 +146,8 @@ TEST(TipLaw, AScaleIsAFactorOnEveryLaw) {
     const double mu = 2.0 * p.tip.friction.coefficient * model::tip_law(p, 353.15)->by_speed.at(0.5);
     p.tip.friction_scale = 2.0;
     EXPECT_EQ(p.tip.largest_friction() * model::tip_law(p, 353.15)->by_speed.at(0.5), mu);
-    const tasks::Scene scene = scene_at_level("tiny", "rigid", {"tip.friction_scale=1.25", "clamping.safety=1.5"});
-    const tasks::Scene plain = scene_at_level("tiny", "rigid", {"clamping.safety=1.5"});
+    const tasks::Scene scene = scene_at_level("tiny", "rigid", {"tip.friction_scale=1.25", "clamping.safety=1.5", "clamping.driven=1 kN"});
+    const tasks::Scene plain = scene_at_level("tiny", "rigid", {"clamping.safety=1.5", "clamping.driven=1 kN"});
     EXPECT_DOUBLE_EQ(1.25 * tasks::driven_clamping_at_start(scene.parameters), tasks::driven_clamping_at_start(plain.parameters));
 }
 

@@ -58,7 +58,7 @@ TEST(FrictionOrder, LeapfrogsAreStableToTheImaginaryBoundaryWithinTwoPercent) {
     double fastest = 0.0;
     for (const auto& value : bench::spectrum(start.variator(), 0.0, start.state_copy(), start.phases()))
         fastest = std::max(fastest, std::abs(value.imag()));
-    // Of held links: that of K - 4 K_held (model/EQUATIONS.md section 2).
+    // Where links are held: that of K - 4 K_held (model/EQUATIONS.md section 2).
     const std::vector<double> begin = start.state_copy();
     tasks::SpectralBound held(start.variator(), tasks::MovedPart::all, nullptr,
                               tasks::held_links("leapfrog-sweep", start.variator().chain()));

@@ -43,8 +43,8 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 
 /// Path results/NAME of what no -o names; creates the folder. @throws engine::RecordError if this user must not
 [[nodiscard]] std::string default_place(const std::string& name);
-/// Lets an input of a command be NAME alone where only results/NAME exists, and says so. @param files  not of folders: a channel may have
-/// the name of one
+/// Lets an input of a command be NAME alone where only results/NAME exists, with a line on stderr. @param files  not of folders: a channel
+/// may have the name of one
 CLI::Option* with_default_place(CLI::Option* option, bool files = false);
 
 /// Checks the path of a checkpoint: it must differ from the record's, and an existing file must be a checkpoint, because it is removed at
