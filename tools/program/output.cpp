@@ -8,10 +8,12 @@
 #include <utility>
 
 #include "engine/base/hash.hpp"
+#include "engine/base/text.hpp"
 #include "engine/record/run/schema.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/scene/toml_tree.hpp"
+#include "tools/program/guard.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
