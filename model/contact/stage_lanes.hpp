@@ -187,29 +187,46 @@ private:
         store_first<W>(load<W>(sum) + force, to, count);
     }
 
+    using Rows = std::array<V, link_layout.link_size()>;
+
     /// Accelerations of links that are not held by forces: slopes alone, or the row of a table that takes them.
     void accelerate(const V* f) const noexcept {
-        V slope[link_layout.link_size()];
-        for (int axis = 0; axis < 2; ++axis) multiply_ends<n>(numbers_.across, f + 2 * n * axis, slope + 2 * n * axis);
-        multiply_ends<2>(numbers_.axial, f + 4 * n, slope + 4 * n);
-        for (int row = 0; row < link_layout.link_size(); ++row) {
-            if (stage_.next != nullptr) slope[row] = with_base(row, slope[row]);
-            if (stage_.slope != nullptr) store(*stage_.slope, row, slope[row]);
-            if (stage_.next != nullptr) store(*stage_.next->to, row, combine(*stage_.next, row, slope[row]));
+        Rows slope;
+        for (int axis = 0; axis < 2; ++axis) multiply_ends<n>(numbers_.across, f + 2 * n * axis, slope.data() + 2 * n * axis);
+        multiply_ends<2>(numbers_.axial, f + 4 * n, slope.data() + 4 * n);
+        if (stage_.next != nullptr) add_base(slope);
+        if (stage_.slope != nullptr) store(*stage_.slope, slope);
+        if (stage_.next != nullptr) combine(*stage_.next, slope);
+    }
+    void add_base(Rows& slope) const noexcept {
+        const auto now = links_.rows_of(*stage_.base->now), before = links_.rows_of(*stage_.base->before);
+        const V extrapolation(static_cast<float>(stage_.base->extrapolation));
+        for (std::size_t row = 0; row < slope.size(); ++row) {
+            const V here = now[static_cast<int>(row)];
+            slope[row] += here + extrapolation * (here - before[static_cast<int>(row)]);
         }
     }
-    [[nodiscard]] V with_base(int row, const V& slope) const noexcept {
-        const V now = links_.rows_of(*stage_.base->now)[row], before = links_.rows_of(*stage_.base->before)[row];
-        return slope + (now + static_cast<float>(stage_.base->extrapolation) * (now - before));
+    /// Row by row in the order of the terms, so that sums round alike however many there are.
+    void combine(const VelocityRow& next, const Rows& slope) const noexcept {
+        Rows sum;
+        for (std::size_t k = 0; k < next.terms; ++k) {
+            const auto from = links_.rows_of(*next.from[k]);
+            const V weight(static_cast<float>(next.weight[k]));
+            for (std::size_t row = 0; row < sum.size(); ++row) {
+                const V term = weight * from[static_cast<int>(row)];
+                sum[row] = k == 0 ? term : sum[row] + term;
+            }
+        }
+        const V weight(static_cast<float>(next.slope_weight));
+        for (std::size_t row = 0; row < sum.size(); ++row) sum[row] += weight * slope[row];
+        store(*next.to, sum);
     }
-    [[nodiscard]] V combine(const VelocityRow& next, int row, const V& slope) const noexcept {
-        const auto term = [&](std::size_t k) { return static_cast<float>(next.weight[k]) * links_.rows_of(*next.from[k])[row]; };
-        V sum = term(0);
-        for (std::size_t k = 1; k < next.terms; ++k) sum += term(k);
-        return sum + static_cast<float>(next.slope_weight) * slope;
-    }
-    void store(FloatColumns& columns, int row, const V& lanes) const noexcept {
-        store_first<W>(lanes, columns.at(row, links_.column()), links_.count());
+    void store(FloatColumns& columns, const Rows& lanes) const noexcept {
+        const LaneRows<W, float> to = links_.rows_of(columns);
+        const int count = links_.count();
+        for (std::size_t row = 0; row < lanes.size() && count == lane_count<W>; ++row) to.put(static_cast<int>(row), lanes[row]);
+        for (std::size_t row = 0; row < lanes.size() && count != lane_count<W>; ++row)
+            store_first<W>(lanes[row], to.first + static_cast<std::ptrdiff_t>(row) * to.stride, count);
     }
 
     const FrictionOperator& friction_;

@@ -188,7 +188,8 @@ void FrictionLeapfrog::record(int segment) noexcept {
 
 void FrictionLeapfrog::stage(int item) noexcept {
     const int segments = w_.partition.size(), segment = item % segments;
-    const KickRow row = table_->row(stages_.begun() + item / segments);
+    const int reached = stages_.begun() + item / segments;
+    const KickRow row = table_->row(std::min(reached, stages_.count() - 1));  // beyond: a cycle whose instructions are counted by itself
     const double h = w_.step.h;
     SegmentFields& fields = kick_.fields;
     SegmentFields::Fields& f = fields[segment];
