@@ -89,7 +89,7 @@ void derive(Scene& scene) {
 }
 
 void forget_derived(Scene& scene) {
-    if (!has_derived(scene)) return;
+    if (!scene.vehicle.present() && scene.gains == ControlGains::given) return;
     Scene defaults;
     for (const Parameter& key : parameter_table()) {
         if (key.key == friction_key || !is_derived(scene, key.key)) continue;  // friction stays when the law changes

@@ -19,6 +19,7 @@ STYLE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "cvtflow.mplsty
 _LEGEND = 26  # characters of a name in a legend beside the frame
 _WIDTH, _HEIGHT, _LOW = 8.6, 5.4, 3.0  # of a picture with one panel, of one of several [inch]
 _MANY_DECADES = 1e3  # between the ends of an axis, where it has no minor ticks
+_FEW_DECADES = 200.0  # the same, where it has numbers at 2 and 5 as well
 _DASHES = ["solid", "dashed", "dotted", "dashdot"]
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -169,7 +170,7 @@ def _fill(axis, panel, is_last):
     for each, ends in ((axis.xaxis, axis.get_xlim()), (axis.yaxis, axis.get_ylim())):
         if each.get_scale() == "log" and ends[1] > _MANY_DECADES * ends[0]:
             each.set_minor_locator(NullLocator())
-        elif each.get_scale() == "log" and ends[1] < 200.0 * ends[0] and not panel.fields:
+        elif each.get_scale() == "log" and ends[1] < _FEW_DECADES * ends[0] and not panel.fields:
             each.set_major_locator(LogLocator(10.0, subs=(1.0, 2.0, 5.0)))
     if axis.get_legend_handles_labels()[0]:
         _legend(axis, panel, is_last)

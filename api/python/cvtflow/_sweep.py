@@ -173,7 +173,8 @@ class Sweep:
         stop.clear()
         now = before = _done(folder)
         begin = time.monotonic()
-        tasks = [client.submit(_work, str(folder), threads, workers=[place], pure=False) for place in client.scheduler_info()["workers"]]
+        tasks = [client.submit(_work, str(folder), threads, workers=[place], allow_other_workers=True, pure=False)  # if that one is lost
+                 for place in client.scheduler_info()["workers"]]
         report = _reporter(progress)
         try:
             while True:
