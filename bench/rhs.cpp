@@ -1,7 +1,7 @@
 /// Cost of one right-hand side on one thread, whole and by part, at the settled baseline. Rows are WHO/WHAT:
 ///
 ///     plain      the oracle of the tests in double: the equations written down plainly, tables computed anew
-///     one_lane   the kernels' own source as scalar code, nothing vectorised: what lanes alone bring
+///     one_lane   the source of the kernels as scalar code, nothing vectorised: what lanes alone bring
 ///     baseline, avx2, avx512   the kernels, per instruction set that this processor runs
 ///
 ///     whole      full detail: order 3, 14 plates, 8 joint points, elastic sheaves

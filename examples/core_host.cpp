@@ -53,7 +53,7 @@ void print_fleet(const cvtflow::Simulation& origin, int threads) {
 
 int main(int count, char** arguments) try {
     if (count < 2) return 2;
-    std::ifstream file(arguments[1]);  // the host reads its own files; the library takes text
+    std::ifstream file(arguments[1]);  // the host reads files; the library takes text
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     const cvtflow::Scene scene =
         cvtflow::Scene::parse(text, arguments[1]).with("start.state=\"\"").with("start.settling_time=5 ms").with_detail("rigid");

@@ -1,4 +1,4 @@
-// A host with threads of its own: each runs a variator and holds its ratio with a controller of its own, 1,000 times a second.
+// A host that starts threads: each runs a variator and holds its ratio with a controller, 1,000 times a second.
 //
 // The scene `shift` has too little clamping: left alone, the ratio drifts away. Every millisecond the host reads the ratio and sets the
 // clamping force of the driving shaft. The simulations run on the threads that the host already has (Threads::caller()) and know nothing of

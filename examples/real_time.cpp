@@ -1,7 +1,7 @@
 /// Soft real time: a variator of rigid pins beside a clock. Every cycle of 1 ms sets a load and reads a ratio; cycles that end after their
 /// deadline are counted. A processor that is too slow gets a clock that is SLOWER times slower than the machine's.
 ///
-///     real_time [SLOWER [CYCLES]]     1: the machine's own clock. 0 (default): 1.5 times the longest of the first cycles, at least 1
+///     real_time [SLOWER [CYCLES]]     1: the machine's clock. 0 (default): 1.5 times the longest of the first cycles, at least 1
 
 #include <algorithm>
 #include <chrono>

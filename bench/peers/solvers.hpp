@@ -1,6 +1,6 @@
 #pragma once
 /// Solvers of others on one stretch of a scene: an initial value problem for any solver, y' = f(t, y) with phases held, and ∂f/∂y; and
-/// SUNDIALS on it. No type of its own leaves this folder.
+/// SUNDIALS on it. No type of SUNDIALS leaves this folder.
 
 #include <string>
 #include <vector>
@@ -31,7 +31,7 @@ public:
     /// t [s], state [unknowns], slope [unknowns]
     void slope(double t, const double* state, double* slope) noexcept;
     [[nodiscard]] const SparsePattern& pattern() const noexcept { return pattern_; }
-    /// ∂f/∂y in the order of the pattern. The ledger's own rows are left out: nothing depends on them.
+    /// ∂f/∂y in the order of the pattern. The rows of the ledger are left out: nothing depends on them.
     void jacobian(double t, const double* state, double* values) noexcept;
 
     /// Whether an unknown is the rate of a coordinate: its slope is an acceleration.

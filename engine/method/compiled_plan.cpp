@@ -71,7 +71,7 @@ PlanStep CompiledPlan::step(int row) const noexcept {
     return {all.subspan(begin, middle - begin), all.subspan(middle, static_cast<std::size_t>(r.end) - middle), r.keep, r.slope, r.time};
 }
 
-/// The time of a combination, for y' = 1, y = t: every slope is 1, every state is its own time.
+/// The time of a combination, for y' = 1, y = t: every slope is 1, every state equals its time.
 double CompiledPlan::time_of(int begin, int middle, int end, const std::vector<double>& state_times) const {
     double time = 0.0;
     for (int i = begin; i < middle; ++i) {

@@ -12,7 +12,7 @@ namespace cvtflow::engine {
 /// Data of different writers stay this far apart: two cache lines, since processors fetch lines in pairs.
 inline constexpr std::size_t apart = 128;
 
-/// One thread's backoff; each has its own copy: pause, then yield, then sleep, bounded by the clock (a number of pauses is no measure of
+/// Backoff of one thread, each with a copy: pause, then yield, then sleep, bounded by the clock (a number of pauses is no measure of
 /// time: one pause takes 5 ns on one processor and 50 ns on the next). It learns: a wait that outlasts the pauses halves them, a shorter
 /// one doubles them up to the policy's. Two threads that the system has put on one processor would otherwise pause in each other's time
 /// (measured: 46 µs per cycle, and 8 ms with OpenMP's barriers, which pause for milliseconds).

@@ -1,5 +1,5 @@
 #pragma once
-/// The processor's own vectors, of doubles and of floats: W is a width tag, which states number type and count. The compilers' vector types
+/// Vectors of the processor, of doubles and of floats: W is a width tag, which states number type and count. The compilers' vector types
 /// (gcc and clang alike) give arithmetic, comparison and shuffles on every architecture; only square roots and a few others have to be
 /// requested by name. Every lane is rounded by itself: results do not depend on the instruction set.
 

@@ -7,7 +7,7 @@ namespace cvtflow::model {
 
 namespace {
 
-/// By which joint points respond more than to their own force alone: others of the pass push the same way. Without it sweeps diverge.
+/// Factor on the response of a joint point to its force: other points of the pass push the same way. Without it sweeps diverge.
 constexpr double joint_margin = 1.1;
 /// Tips respond as if all four of a link pushed the same way, plates as if the halves moved alone. That is more than they do, and a change
 /// would fall short of what is left: less makes two sweeps as exact as three. At 0.5 sweeps diverge, at 0.7 they do not (decision 104).
@@ -40,7 +40,7 @@ struct Response {
 [[nodiscard]] double low_end(int mode) { return mode % 2 == 0 ? 1.0 : -1.0; }
 [[nodiscard]] double high_end(int /*mode*/) { return 1.0; }
 
-/// Response of one tip to forces, each as large as its own, at all four of its link in one direction.
+/// Response of one tip to equal forces at all four tips of its link in one direction.
 [[nodiscard]] double all_tips(const Response& response) {
     double sum = 0.0;
     for (const bool same_end : {true, false})

@@ -47,8 +47,8 @@ struct GuideContact {
     }
 };
 
-/// Adds the guides' forces to those of links side by side: half a pin at each end. A function of its own, so that the code of machines
-/// without guides stays as it is. q [coordinates of the link], v [m/s, rad/s], f [N, N·m]
+/// Adds the guides' forces to those of links side by side: half a pin at each end. A separate function, so that the code of machines
+/// without guides is unchanged. q [coordinates of the link], v [m/s, rad/s], f [N, N·m]
 template <int W, class Books>
 [[gnu::noinline]] inline void guide_force(const GuideCoefficients& g, const Lanes<W>* q, const Lanes<W>* v, Lanes<W>* f,
                                           Books& books) noexcept {

@@ -24,7 +24,7 @@ class FrictionOperator;
 /// Links whose reactions are added up together.
 inline constexpr int links_per_sum = 4;
 
-/// Reactions of a group of links on the sheaves; on cache lines of its own.
+/// Reactions of a group of links on the sheaves; shares no cache line.
 struct alignas(cache_line) SheaveSum {
     SheaveLoad of_shaft[2]{};
 };

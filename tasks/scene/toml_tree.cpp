@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <algorithm>
 
-// toml++ 3.3 violates its own preconditions on some malformed texts (such as "[[[a]]]"): an abort in debug builds, undefined behaviour
-// where the compiler takes assertions as assumptions. Here a violated one is an exception, in every build type.
+// toml++ 3.3 violates assertions in its code on some malformed texts (such as "[[[a]]]"): an abort in debug builds, undefined behaviour
+// where the compiler takes assertions as assumptions. Here a violated assertion is an exception, in every build type.
 
 #include "engine/base/text.hpp"
 

@@ -2,7 +2,7 @@
 /// Chooses one of several schedules for a run. Bookkeeping only: from the measured speed it determines what to run next and for how long;
 /// it knows neither clock nor thread, so that its promise can be tested on invented machines.
 ///
-/// The run itself is the measurement: schedules take turns on its own steps (results do not depend on the schedule), so a trial costs only
+/// The run itself is the measurement: schedules take turns on its steps (results do not depend on the schedule), so a trial costs only
 /// the time by which the schedule on trial is slower than the one in use. These losses are counted, and a turn is taken only while their
 /// sum, this turn being wasted entirely, stays below `max_trial_share` of the time so far. One turn is taken sooner: that of the fewest
 /// threads beyond the first candidate's, once the owner answers that as many threads meet fast. A run too short for a trial stays with the

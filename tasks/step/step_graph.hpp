@@ -13,7 +13,7 @@ namespace cvtflow::tasks {
 
 /// Sub-graphs between which the controller decides.
 enum Cycle : int {
-    evaluate_cycle,  ///< combine the stage state of own links and halo, forces, accelerations: one slope
+    evaluate_cycle,  ///< combine the stage state of the segment's links and halo, forces, accelerations: one slope
     detect_cycle,    ///< combine the step's result, probe its tips: is a transition due, is the state sound
     locate_cycle,    ///< find the earliest transition of each segment on the interpolant
     truncate_cycle,  ///< state at the earliest transition of all, phases changed there
@@ -56,7 +56,7 @@ struct AssemblyOptions {
 
 class StepMethod;
 
-/// Accesses of a segment to fields over links: own range, and own range with the layout's halo on each side (cyclic).
+/// Accesses of a segment to fields over links: its range, and that range with the layout's halo on each side (cyclic).
 class LinkAccesses {
 public:
     LinkAccesses(const Workspace& w, int segment) : layout_(w.layout()), own_(w.partition[segment]), segment_(segment) {}

@@ -232,7 +232,7 @@ static void check_rigid_pins(const cvtflow_scene* scene) {
     CHECK(cvtflow_advance_to(simulation, -2.9e-4, NULL) == CVTFLOW_OK);
     check_states(simulation);
     CHECK(cvtflow_channel_find(simulation, "tight_tension", &channel, NULL) == CVTFLOW_OK);
-    CHECK(cvtflow_advance_to(simulation, 0.0, NULL) == CVTFLOW_OK); /* its clamping is there; it began with its own pull, 14 N */
+    CHECK(cvtflow_advance_to(simulation, 0.0, NULL) == CVTFLOW_OK); /* its clamping is there; it began with a pull of 14 N */
     CHECK(cvtflow_channel_values(simulation, channel, &values, &width, NULL) == CVTFLOW_OK && width == 1 && values[0] > 100.0);
     cvtflow_destroy(simulation);
     cvtflow_scene_release(rigid);
@@ -258,7 +258,7 @@ static void destroy_at_log(const char* line, void* user) {
     cvtflow_destroy((cvtflow_simulation*)user);
 }
 
-/* A simulation destroyed by its own callback: that call ends cancelled, and nothing is called any more. */
+/* A simulation destroyed by a callback that it runs: that call ends cancelled, and nothing is called any more. */
 static void check_destruction(const cvtflow_scene* scene) {
     for (int way = 0; way < 3; ++way) {
         cvtflow_simulation* simulation = NULL;

@@ -180,7 +180,7 @@ TEST_F(Package, SearchesNoEmptyOrRelativeFolderForLibraries) {
     }
 }
 
-/// Checks for overwritten stacks and tables of functions are on; sanitizers have their own.
+/// Checks for overwritten stacks and tables of functions are on; sanitizers replace them.
 TEST_F(Package, IsHardened) {
     if (std::string(CVTFLOW_SANITIZER) != "") GTEST_SKIP() << "sanitizers have checks of their own";
     install();

@@ -1,4 +1,4 @@
-/// A host with threads of its own, in every way that such hosts have.
+/// A host that starts threads, in every way that such hosts have.
 
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>

@@ -5,7 +5,7 @@
 ///     (.cpp) tasks  → model, engine, std, any third party (.cpp) api    → model, engine, tasks, std; its public headers (api/include) →
 ///     std and one another only threads, locks and atomics: engine/executor and engine/thread only
 ///
-/// A header that includes a third party, itself or through another one, is private: only files of its own room (engine/record with all its
+/// A header that includes a third party, itself or through another one, is private: only files of the same room (engine/record with all its
 /// folders, say) and tests include it. Rooms of a part stand on floors: includes point downwards, and never in a circle.
 
 #include <gtest/gtest.h>

@@ -38,7 +38,7 @@ const std::set<std::string> allowed{
     "api",              // what host programs include and link: must be found without knowing the inside
     "bench",
     "engine",
-    "examples",        // the first thing that an author of a host program opens; a project of its own as well
+    "examples",        // the first thing that an author of a host program opens; a separate project as well
     "pyproject.toml",  // pip searches nowhere else
     "model",
     "scenes",

@@ -63,7 +63,7 @@ TEST(NightlyStabilised, Rock4FailsAtLongStepsWhereFrictionSaturatesAndIsAccurate
     EXPECT_LT(axial_error("rock4-s6", "100ns"), 1e-6);
 }
 
-/// Published: 5.9 times (with step control of its own and on another machine). Alternating runs, the fastest of each.
+/// Published: 5.9 times (with another step control and on another machine). Alternating runs, the fastest of each.
 TEST(NightlyStabilised, PolynomialFiveOfDumka3IsFiveTimesFasterThanRk4) {
     double rk4 = std::numeric_limits<double>::infinity(), dumka3 = rk4;
     for (int round = 0; round < 3; ++round) {

@@ -74,7 +74,7 @@ TEST(NightlyBaseline, IsStationaryWithTheTensionsTorqueAndAxialForcesOfTheoryAnd
     EXPECT_GT(prominence(run, run.tight, 2.0 * passing), 3.0);
 }
 
-/// Claims at every level of detail, with its own automatic step, but for the lines in the strands' tensions.
+/// Claims at every level of detail, with the automatic step of each, but for the lines in the strands' tensions.
 class EveryLevel : public testing::TestWithParam<std::string> {};
 
 TEST_P(EveryLevel, ShowsTheBaselineOfTheoryItsHumAndAClosedEnergyBalance) {

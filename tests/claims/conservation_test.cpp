@@ -1,5 +1,5 @@
 /// Claims about energy and momentum. Without friction and damping energy is kept; with them, power in less power out is dissipation, by
-/// kind, to integrator accuracy. The chain's own forces keep its momentum and angular momentum; every method keeps what all forces of a
+/// kind, to integrator accuracy. Forces inside the chain keep its momentum and angular momentum; every method keeps what all forces of a
 /// free chain keep.
 
 #include <gtest/gtest.h>
@@ -74,7 +74,7 @@ TEST(Energy, IsKeptWithoutFrictionDampingAndInputs) {
 }
 
 struct Balance {
-    std::string level;  ///< empty: tiny's own
+    std::string level;  ///< empty: that of tiny
     double duration;
     bool control;
 };

@@ -17,7 +17,7 @@ std::vector<double> solution(const Smooth& scene, double step) {
 }
 
 void expect_fourth_order(const Smooth& scene) {
-    const std::vector<double> reference = solution(scene, smooth_span / 256);  // its own error is 4⁴ times smaller than the finest one's
+    const std::vector<double> reference = solution(scene, smooth_span / 256);  // its error is 4⁴ times smaller than that of the finest
     std::vector<double> errors;
     for (const int steps : {8, 16, 32, 64}) errors.push_back(distance(solution(scene, smooth_span / steps), reference));
     for (std::size_t k = 1; k < errors.size(); ++k) {

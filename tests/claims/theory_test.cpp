@@ -1,4 +1,4 @@
-/// Claims: the chain behaves as theory has it. A free closed chain that spins carries in every link the tension of its own centrifugal
+/// Claims: the chain behaves as theory has it. A free closed chain that spins carries in every link the tension of its centrifugal
 /// force. Without friction between tips and sheaves, clamping S tightens both strands to 2 S tan β/Θ above the centrifugal pull, and every
 /// sheave carries S.
 

@@ -1,4 +1,4 @@
-/// The first page, from its installation to a program of one's own, in an empty folder with nothing but the installation on the path.
+/// The first page, from its installation to a program of the reader, in an empty folder with nothing but the installation on the path.
 
 #include <gtest/gtest.h>
 #include <unistd.h>

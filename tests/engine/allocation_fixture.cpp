@@ -28,7 +28,7 @@ std::atomic<long> calls{0};
 
 }  // namespace
 
-/// glibc's own entry points; its malloc may be replaced by a program's definition that shared libraries see.
+/// Entry points of glibc; its malloc may be replaced by a program's definition that shared libraries see.
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);

@@ -219,7 +219,7 @@ void* mmap64(void* where, size_t size, int protection, int flags, int file, off6
     return fails(MMAP) ? MAP_FAILED : real(where, size, protection, flags, file, at);
 }
 
-/* glibc's own names: dlsym allocates. */
+/* Names of glibc: dlsym allocates. */
 void* __libc_malloc(size_t);
 void* __libc_calloc(size_t, size_t);
 void* __libc_realloc(void*, size_t);

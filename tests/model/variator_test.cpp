@@ -85,7 +85,7 @@ std::vector<Case> slowed_cases() {
     return cases;
 }
 
-/// Slope of the oracle with the own inertia of pins: mass scaling lowers accelerations, not the forces that cancel and their
+/// Slope of the oracle with the unscaled inertia of pins: mass scaling lowers accelerations, not the forces that cancel and their
 /// rounding.
 std::vector<double> unscaled_slope(model::Parameters parameters, const oracle::RandomState& random, const std::vector<double>& expected) {
     if (parameters.detail.mass_scaling == 1.0) return expected;

@@ -1,5 +1,5 @@
 #pragma once
-/// Scenes and helpers shared by the oracle's own tests.
+/// Scenes and helpers shared by the tests of the oracle.
 
 #include "tests/oracle/plain_rhs.hpp"
 #include "tests/oracle/random_state.hpp"

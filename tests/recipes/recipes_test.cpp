@@ -1,4 +1,4 @@
-/// Worked examples of the recipes in CONTRIBUTING (force_test.cpp apart, which has kernels of its own), and the files that recipes name.
+/// Worked examples of the recipes in CONTRIBUTING (force_test.cpp apart, which compiles other kernels), and the files that recipes name.
 
 #include <gtest/gtest.h>
 
@@ -82,7 +82,7 @@ TEST(LinearMethodRecipe, TheCatalogueHasARowForEveryPlan) {
 
 /// s = u/(1 + u): rises without a corner and is never quite full.
 struct RationalLaw {
-    static constexpr model::FrictionLaw law = model::FrictionLaw::piecewise;  // an enumerator of its own, were it in the program
+    static constexpr model::FrictionLaw law = model::FrictionLaw::piecewise;  // a new enumerator, were it in the program
 
     static double proportional(double) noexcept { return 0.0; }
     static double full(double) noexcept { return std::numeric_limits<double>::infinity(); }

@@ -301,7 +301,7 @@ protected:
             EXPECT_EQ(run({command, "out"}).err,
                       "cvtflow: out/cases.h5: damaged HDF5 file (changed after it was finished: its checksum differs)\n");
         }
-        write("out/cases.h5", bytes.substr(0, bytes.size() - engine::seal_size));  // as a kill leaves it: rows have checks of their own
+        write("out/cases.h5", bytes.substr(0, bytes.size() - engine::seal_size));  // as a kill leaves it: each row has a check
     }
 
     [[nodiscard]] std::string whole_hash() const { return table("whole").attribute("results_hash"); }

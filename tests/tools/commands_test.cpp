@@ -206,7 +206,7 @@ TEST_F(Commands, InfoShowsStates) {
                             HasSubstr(" 20 us of settling\n")));
 }
 
-// The manual page and the completions, made by the build (tools/documents/manual) of the program's own help.
+// The manual page and the completions, made by the build (tools/documents/manual) of the program's help.
 
 /// A text as in a manual page.
 std::string hyphenated(std::string text) {

@@ -399,7 +399,7 @@ TEST_F(NightlyPowerCut, TwoHundredOfAWorker) { sweep(200, worker_order); }
 constexpr int rows = 3000, rows_per_flush = 20;
 constexpr std::size_t links = 65;  // chunks of 8 rows then have 4,160 bytes, more than a page
 
-/// The writer, which the test below starts with the path of the record and a log of all writes; no test of its own.
+/// The writer, which the test below starts with the path of the record and a log of all writes; not a test itself.
 TEST(KilledRecordWriter, DISABLED_Writes) {
     engine::RunContents contents;
     contents.channels = {{.name = "one", .unit = "1"}, {.name = "links/many", .unit = "N", .width = links, .axis = "link"}};

@@ -218,7 +218,7 @@ TEST_F(Run, FindsScenesByTheEnvironment) {
     EXPECT_THAT(outcome.out, HasSubstr("\n  file                mine/special.toml\n"));
 }
 
-// Inputs from CSV files and laws of their own, through the program.
+// Inputs from CSV files and inputs that follow a law, through the program.
 
 class CsvInput : public Program {
 protected:

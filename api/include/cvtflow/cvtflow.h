@@ -1,7 +1,7 @@
 /* C interface of cvtflow: opaque handles, error codes, no exception and no C++ type crosses it.
  *
- * Stability, as of the C++ interface (version.hpp): a program built against 0.x runs with every 0.x.y, whose library has a name of its own
- * (libcvtflow.so.0.x); one built against 1.x with every later 1.y. Within that, functions are never removed or changed, only added (symbol
+ * Stability, as of the C++ interface (version.hpp): a program built against 0.x runs with every 0.x.y, whose library is named
+ * libcvtflow.so.0.x; one built against 1.x with every later 1.y. Within that, functions are never removed or changed, only added (symbol
  * version CVTFLOW_0). Structs that grow begin with their size in bytes, set by the caller (CVTFLOW_INIT does it): the library touches no
  * member beyond it.
  *
@@ -10,8 +10,8 @@
  *
  * Threads. A scene may be used from all threads. A simulation is used by one thread at a time; a call while another one is under way
  * returns CVTFLOW_BUSY. cvtflow_cancel may be called from every thread and from signal handlers. No thread is started before the first
- * step. Callbacks run on the thread that called cvtflow_advance_to, between steps. A callback that steps its own simulation or sets its
- * state gets CVTFLOW_BUSY. A callback may destroy its own simulation: no further callback is called, the call that runs the callback returns
+ * step. Callbacks run on the thread that called cvtflow_advance_to, between steps. A callback that steps the calling simulation or sets its
+ * state gets CVTFLOW_BUSY. A callback may destroy that simulation: no further callback is called, the call that runs the callback returns
  * CVTFLOW_CANCELLED after at most one step, and the simulation is freed when that call returns. See simulation.hpp for details.
  */
 #ifndef CVTFLOW_CVTFLOW_H
@@ -32,7 +32,7 @@ typedef enum cvtflow_code {
     CVTFLOW_SCENE = 2,        /* the scene cannot be read or has problems */
     CVTFLOW_START_STATE = 3,  /* the scene's state file */
     CVTFLOW_STATE = 4,        /* a saved state of another scene or version, or damaged */
-    CVTFLOW_BUSY = 5,         /* stepped by another thread, or called from its own callback */
+    CVTFLOW_BUSY = 5,         /* stepped by another thread, or called from a callback of it */
     CVTFLOW_FORKED = 6,       /* ran on threads before this process was forked off */
     CVTFLOW_CANCELLED = 7,    /* the simulation can go on */
     CVTFLOW_MEMORY = 8,
@@ -69,7 +69,7 @@ typedef enum cvtflow_way {
 typedef struct cvtflow_options {
     uint32_t size;
     int32_t way;      /* cvtflow_way */
-    int32_t threads;  /* of the present or own arena, the caller included; 0: as many as the process may use (own only) */
+    int32_t threads;  /* of the current or private arena, the caller included; 0: all that the process may use (private only) */
     int32_t segments; /* tasks per step; 0: one per thread */
 } cvtflow_options;
 

@@ -7,7 +7,7 @@
 ///
 /// Callbacks run on the thread that called advance_to(), between steps, outside of any parallel section: they may read the simulation, set
 /// its inputs, cancel it, use other simulations in every way, and throw (the exception leaves advance_to()). Stepping or replacing the
-/// state of the same simulation from its own callback is refused (busy). A callback that destroys or moves its simulation ends advance_to()
+/// state of the simulation that runs the callback is refused (busy). A callback that destroys or moves its simulation ends advance_to()
 /// (cancelled) without further callbacks; the memory of a destroyed one is freed when advance_to() ends.
 ///
 /// Floating-point environment. Everything (scenes read, simulations made, steps, questions) runs in the default environment (round to

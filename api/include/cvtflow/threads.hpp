@@ -7,7 +7,7 @@ inline namespace v0 {
 /// Three ways to run. No way starts a thread before the first step.
 ///
 ///   caller()                Everything on the thread that calls advance_to(). Nothing to share, nothing to wait for: for hosts that have
-///                           many simulations and threads of their own.
+///                           many simulations and start threads themselves.
 ///   current_arena(slots)    On the oneTBB arena in which advance_to() is called (the host writes
 ///                           arena.execute([&] { simulation.advance_to(t); })), on `slots` of its threads, the caller included. The caller
 ///                           runs no task of the host meanwhile (isolated). Threads of this arena that wait for other work may take part

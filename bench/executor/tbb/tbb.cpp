@@ -103,8 +103,8 @@ void TaskNodes::order_before(int cycle, flow::receiver<Message>& end) {
 //              └─► task ─┘
 //
 // The dotted arrow is a message without an edge: an edge into a continue_node would count as one more predecessor and the ring would
-// never begin; broadcast nodes do not count. `close` is lightweight, that is, it runs inside the last task instead of being a task of
-// its own that another thread may have to steal (about 1 µs). Cycles follow one another, so that one decision is made at a time, and
+// never begin; broadcast nodes do not count. `close` is lightweight, that is, it runs inside the last task instead of being a separate
+// task that another thread may have to steal (about 1 µs). Cycles follow one another, so that one decision is made at a time, and
 // the reference counts of oneTBB order what the tasks wrote before it.
 
 void FlowMessages::execute(Run& run, int first) {

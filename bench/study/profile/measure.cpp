@@ -75,7 +75,7 @@ TrialSample Trial::run(long steps, double timeout) {
     begun_ = true;
     const double wall = observer.waited();
     const double used = processor_seconds() - cpu;
-    simulation_.integrator().runner().release_threads();  // the next schedule's turn is its own
+    simulation_.integrator().runner().release_threads();  // they do not disturb the next schedule's turn
     if (fault && fault.kind != FaultKind::max_steps && fault.kind != FaultKind::cancelled) throw SimulationError(fault.message());
     const Counters& after = simulation_.counters();
     return {wall, used, after.steps - before.steps, after.evaluations - before.evaluations};

@@ -119,8 +119,8 @@ struct ProfileModel {
 /// Costs of links from recorded serial runs with two numbers of segments, of detection beside; of controller and evaluations from the first
 /// result, which is serial:fused; of the synchronisation from cycles of `flow` on 1, 2, 4 … threads, up to the usable ones, alternating; of
 /// the stretch from the recorded fused results that got all their threads. Sets
-/// `predicted` of the results: fused ones by the critical path with their executor's own synchronisation, staged ones by the tasks of
-/// serial:staged, if that is among them, spread evenly, and their executor's synchronisation per level.
+/// `predicted` of the results: fused ones by the critical path with the synchronisation of their executor, staged ones by the tasks of
+/// serial:staged, if that is among them, spread evenly, and the same synchronisation per level.
 [[nodiscard]] ProfileModel measure_model(const tasks::Scene& scene, std::vector<ScheduleResult>& results, const MeasureOptions& options);
 
 }  // namespace cvtflow::bench

@@ -22,7 +22,7 @@ constexpr double share_of_losses = 1e-3;
 constexpr double share_of_energy_in = 1e-5;
 constexpr double share_of_stored = 1e-6;
 constexpr double deviations = 6.0;
-/// Noise explains no more than this share of what was dissipated: a run that blows up, or begins with a shock, makes its own noise. With
+/// Noise explains no more than this share of what was dissipated: a run that blows up, or begins with a shock, produces noise itself. With
 /// inputs that of spans of 10 ms and longer; shorter ones are noisier, as one over the root of the span. A ring's losses are so small
 /// beside what it stores that noise is all that its balance shows.
 constexpr double noise_share_with_inputs = 0.009, noise_share_without = 0.5, noise_span = 10e-3;  // [1], [1], [s]

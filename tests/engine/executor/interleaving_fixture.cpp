@@ -220,7 +220,7 @@ bool ModelMemory::enabled(int worker, const Pending& pending) const {
 }
 
 int ModelMemory::add_atomic(std::uint64_t value) {
-    if (stores_.size() == max_atomics) std::abort();  // a fixture of our own: enlarge it
+    if (stores_.size() == max_atomics) std::abort();  // this fixture is too small: enlarge it
     stores_.push_back({Store{value, {}, {}}});
     return static_cast<int>(stores_.size()) - 1;
 }

@@ -1,4 +1,4 @@
-/// Executors among others: busy processors, few workers, other executors, hosts with tasks of their own, and what is left behind.
+/// Executors among others: busy processors, few workers, other executors, hosts that run tasks too, and what is left behind.
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>

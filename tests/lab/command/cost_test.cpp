@@ -73,7 +73,7 @@ TEST_F(NightlyProfileCommand, StartsItselfAgainForEveryWaitPolicy) {
                                  "--rounds", "1", "--neighbours", "0", "--csv", "p.csv", "--json", "p.json", "-q"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     const auto policies = nlohmann::json::parse(read("p.json"))["policies"];
-    ASSERT_EQ(policies.size(), 9u);  // two for both, five for OpenMP, two for our own
+    ASSERT_EQ(policies.size(), 9u);  // two for both, five for OpenMP, two for those of cvtflow
     EXPECT_EQ(policies[2]["policy"], "OMP_WAIT_POLICY=active");
     EXPECT_EQ(policies[2]["profile"]["environment"]["OMP_WAIT_POLICY"], "active");
     EXPECT_EQ(policies[2]["profile"]["schedules"].size(), 2u);  // serial and what the policy concerns
@@ -91,7 +91,7 @@ TEST_F(ProfileCommand, LeavesTablesNumbersAndPicturesInAFolder) {
     EXPECT_TRUE(nlohmann::json::parse(read("out/profile.json"))["processors"].contains("calibrated"));
 }
 
-/// Beside four threads per processor that only spin (no neighbours of its own, which a profile knows of), a calibration gets a fifth.
+/// Beside four threads per processor that only spin (no neighbours that the profile starts, which it knows of), a calibration gets a fifth.
 TEST_F(ProfileCommand, PredictsNothingOnACrowdedMachine) {
     const BusyNeighbours neighbours(4 * engine::usable_processors());
     const Outcome outcome = run({"profile", "tiny", "--method", "rk4", "--schedules", "flow:fused", "--threads", "2", "--steps", "4",

@@ -128,8 +128,8 @@ Parameters without_friction(Parameters p) {
     return p;
 }
 
-/// A random state, and velocities as far from its own as those of a step's stages are. Nothing is damped, so that contacts recorded at the
-/// state's velocities are those of the others.
+/// A random state, and velocities as far from those of the state as in stages of a step. Nothing is damped, so that contacts recorded at
+/// the state's velocities are those of the others.
 class FrictionRig {
 public:
     FrictionRig(const Parameters& p, std::uint64_t seed, Isa isa = chosen_isa())

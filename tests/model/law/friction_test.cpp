@@ -1,5 +1,5 @@
 /// Laws of friction: profiles over speed and factors of tips, the catalogue of laws, and friction that follows a remembered speed: the
-/// speed's own equation, and one contact on a spring at its limit of stability.
+/// equation of that speed, and one contact on a spring at its limit of stability.
 
 #include "model/law/friction.hpp"
 

@@ -62,7 +62,7 @@ TEST(LinkInertia, IsPositiveDefiniteAndSymmetric) {
             const auto momentum = times(inertia.lateral_matrix.data(), size, v.data());
             double energy = 0.0, square = 0.0;
             for (std::size_t i = 0; i < v.size(); ++i) energy += v[i] * momentum[i], square += v[i] * v[i];
-            EXPECT_GE(energy, p.half.mass / (2 * axis_terms) * square);  // plates only add to the halves' own diagonal
+            EXPECT_GE(energy, p.half.mass / (2 * axis_terms) * square);  // plates only add to the diagonal of the halves
         }
     });
 }

@@ -62,7 +62,7 @@ protected:
 };
 
 /// States, slots, graph, executor, table row, constants of the machine: all is there after the first case, and a geometric start is placed
-/// once for all. The remaining allocations are a controller's own, one for settling and one for the run.
+/// once for all. The remaining allocations are those of a controller, one for settling and one for the run.
 TEST_F(CaseOfAWorker, AllocatesNothingButControllersAfterTheFirst) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     const std::vector<long> shared = allocations(sweep("shared")), placed = allocations(sweep("settle"));

@@ -1,4 +1,4 @@
-/// Friction with memory in a run of rigid pins: each tip remembers by its own equation, bits, and what the key costs where it is absent.
+/// Friction with memory in a run of rigid pins: the equation of each tip's memory, bits, and what the key costs where it is absent.
 
 #include <gtest/gtest.h>
 

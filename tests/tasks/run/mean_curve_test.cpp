@@ -218,7 +218,7 @@ TEST(SteadyMeans, OfAChainThatSlidesEndEarly) {
     const RunMeans imposed = means_of([](double) { return 2000.0; }, 10.0, rule, period, 0.0, 0.15);
     EXPECT_TRUE(imposed.steady().steady());
     const RunMeans confirming = means_of([](double) { return 2000.0; }, 0.5, {0.0, 1e9, pins, 1.0}, period, 1.0);
-    EXPECT_FALSE(confirming.ended());                             // a run without a tolerance has no end of its own
+    EXPECT_FALSE(confirming.ended());                             // a run without a tolerance does not end by itself
     EXPECT_NEAR(sliding.all().end, 0.097 / 0.875, 9.0 * period);  // the last quarter's mean slip is a tenth; a check each four periods
     EXPECT_EQ(sliding.steady_fault().kind, FaultKind::not_steady);
     EXPECT_THAT(sliding.steady_fault().message(), testing::StartsWith("the chain slides at t = "));

@@ -32,7 +32,7 @@ struct BoardCase {
 /// Two cycles in turns: of a task, and of two tasks and one behind them.
 [[nodiscard]] BoardCase turns();
 
-/// Tasks write a cell of their own and read those of their predecessors and the controller's; the controller reads all and writes its own:
+/// Each task writes one cell and reads those of its predecessors and of the controller, which reads all cells and writes one:
 /// whatever runs too early, twice, or without seeing what it should is a race or is counted.
 class BoardScenario : public Scenario, public Controller {
 public:

@@ -402,7 +402,7 @@ TEST_F(RunWriterTest, SurvivesAnErrorInsideHdf5AndKeepsWhatWasSaved) {
     const int child = start_child([this] {
         (void)!std::freopen(path("stderr").c_str(), "w", stderr);
         record_on_a_breaking_disk(path("out.h5"), path("message"));
-        std::exit(0);  // with HDF5's own closing at exit, which must neither hang nor abort
+        std::exit(0);  // HDF5 closes files at exit, which must neither hang nor abort
     });
     EXPECT_EQ(wait_for(child), 0);
     EXPECT_EQ(read_text_file(path("message")),

@@ -286,7 +286,7 @@ TEST(Rkc, DampingTradesLengthForWidth) {
     }
 }
 
-/// The estimate 0.8 (y - y') + 0.4 h (f + f') is h³ y'''/15 where y' is exact, and the local error is as much. From the method's own y' it
+/// The estimate 0.8 (y - y') + 0.4 h (f + f') is h³ y'''/15 where y' is exact, and the local error is as much. From the y' of the method it
 /// is 0.12 h³ y''': almost twice the error, on the safe side. Both for many stages: b·c² → 1/5.
 TEST(Rkc, ErrorEstimateIsNearlyTwiceTheLocalError) {
     const Tableau tableau = unroll(rkc(50));
