@@ -122,7 +122,7 @@ namespace {
 constexpr long most_steps = 100'000'000;
 constexpr double max_seconds = 20.0;  // [s] of one run
 
-/// What all solvers share: a context, the state, tolerances, and a matrix with its solver.
+/// Members of all solvers: a context, the state, tolerances, and a matrix with its solver.
 class Common {
 public:
     explicit Common(Problem& problem, double tolerance) : problem_(problem), relative_(tolerance) {

@@ -73,7 +73,7 @@ Real wave(Real x, int quarter) noexcept {
 }
 
 /// wave() rounded to a double. Both series are good to 2^-61, so where all within 2^-60 of one of them is rounded to one double, the other
-/// gives it as well: the quick one does but for one in sixty.
+/// gives it as well: in all but one call of sixty the quick one suffices.
 double rounded_wave(double x, int quarter) noexcept {
     constexpr Real error = 0x1p-60;
     const double turns = std::rint(x * (2.0 * std::numbers::inv_pi));

@@ -34,7 +34,7 @@ struct Quadrature {
 
 namespace {
 
-/// x ≥ 0; below 1e-290 nothing. Within two units of the last place, where the result is no denormal number. x [1]
+/// x^(10/9) for x ≥ 0; 0 below 1e-290. Within two units of the last place, where the result is no denormal number. x [1]
 [[nodiscard]] inline double ten_ninths(double x) noexcept {
     if (!(x >= 1e-290)) return x < 1e-290 ? 0.0 : x;  // not a number stays one
     // The ninth root: a ninth of the number's bits is within 3.4 %; Halley's method then takes an error e to 20/3 e³.

@@ -49,10 +49,10 @@ struct LinkContact {
     double axial[tips_per_link] = {};       ///< force of each tip on its sheave along z [N]
     double tangential[tips_per_link] = {};  ///< along the circumference, in the sense of positive rotation [N]
     double radial[tips_per_link] = {};      ///< away from the shaft's axis [N]
-    double radius[tips_per_link] = {};      ///< of the contact about that axis [m]
+    double radius[tips_per_link] = {};      ///< distance of the contact from that axis [m]
     double sliding[tips_per_link] = {};     ///< speed along the sheave's surface [m/s]
     double power[tips_per_link] = {};       ///< lost by friction [W]
-    double hold[tips_per_link] = {}, drag[tips_per_link] = {}, creep_power[tips_per_link] = {};  ///< of Creep [N·m·s], [N·m], [W]
+    double hold[tips_per_link] = {}, drag[tips_per_link] = {}, creep_power[tips_per_link] = {};  ///< members of Creep [N·m·s], [N·m], [W]
 };
 
 /// The block of one link with the neighbours that contact of rigid pins depends on: one before, two behind. With pin halves it is the block

@@ -1,6 +1,6 @@
 #pragma once
-/// Every friction contact of the chain with all frozen but velocities, laid out component by component so that lanes can run over links:
-/// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first. For pin halves only.
+/// Every friction contact of the chain, for fixed coordinates and changing velocities, laid out component by component so that lanes can
+/// run over links: [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first. For pin halves only.
 ///
 /// Velocities inside a step are floats. They count from those at which the contacts were recorded, so that small differences of large
 /// velocities are taken in double precision, once a step; a field also holds how contacts slide at those.
@@ -35,8 +35,8 @@ struct ContactComponents {
     /// μN of a plate [N].
     [[nodiscard]] constexpr int plate(int number) const noexcept { return joint(joint_points) + number; }
     [[nodiscard]] constexpr int tip(int corner) const noexcept { return plate(plates) + Tip::count * corner; }
-    /// At the velocities that others count from: sliding of a joint's points across the axis, z and e of the joint's gap and
-    /// of the gap between the link's pins [m/s].
+    /// Sliding of a joint's points across the axis, z and e of the joint's gap and of the gap between the link's pins, all at the
+    /// velocities that others count from [m/s].
     [[nodiscard]] constexpr int sliding(int point) const noexcept { return tip(tips_per_link) + point; }
     [[nodiscard]] constexpr int joint_gap() const noexcept { return sliding(joint_points); }
     [[nodiscard]] constexpr int plate_gap() const noexcept { return joint_gap() + 2; }
@@ -45,7 +45,7 @@ struct ContactComponents {
 
 struct ContactField {
     explicit ContactField(const ChainModel& chain);
-    /// As many columns, of contacts that have never touched.
+    /// Makes `count` columns of contacts that have never touched.
     void make_columns(int count);
     /// Sets to zero how contacts slide at the velocities that others count from, and the sheaves' motion.
     void stop() noexcept;
@@ -61,16 +61,16 @@ struct ContactField {
 struct FrictionRange {
     int first, last;        ///< links [first, last)
     const float* velocity;  ///< [link_size()][stride] of links first - 1 … last
-    std::ptrdiff_t stride;  ///< of velocity
+    std::ptrdiff_t stride;  ///< stride of `velocity`
     float* scratch;         ///< FrictionOperator::scratch_size(last - first) [m/s, N]
     const Phase* phases;    ///< [links * 4], of the whole chain
-    double time;            ///< of the velocities, from the middle of the step, in steps [1]
+    double time;            ///< instant of the velocities, from the middle of the step, in steps [1]
     int shift = 1;          ///< column of a link in all fields but velocity: its number + shift
 };
 
 /// Mean friction of the tips over a step, as the sheaves feel it. Everything begins at the first link.
 struct TipReactions {
-    const float* forces;  ///< on the tips: [3 tips_per_link][stride] x, y, z of each [N]
+    const float* forces;  ///< forces on the tips: [3 tips_per_link][stride] x, y, z of each [N]
     std::ptrdiff_t stride;
     const double* arms;  ///< ContactField::arms, [3 tips_per_link][arms_stride] [m]
     std::ptrdiff_t arms_stride;
@@ -82,7 +82,7 @@ struct TipReactions {
 /// The step in whose middle a field is recorded.
 struct ContactDrift {
     double step = 0.0;         ///< h [s]
-    SheaveMotion change[4]{};  ///< of the sheaves' velocities over the step
+    SheaveMotion change[4]{};  ///< changes of the sheaves' velocities over the step
 };
 
 /// Where a record decides which tips touch: those that penetrate, and those that touched and have not receded by more than `release`.
@@ -98,20 +98,20 @@ struct ContactRecord {
     const double* states;  ///< [unknowns] at the step's beginning, of the range's first link on
     ContactField& field;
     FloatColumns& frictionless;  ///< accelerations by everything but friction [m/s², rad/s²]
-    FloatColumns& velocity;      ///< at the step's beginning, counted from those at which contacts are recorded [m/s, rad/s]
+    FloatColumns& velocity;      ///< velocities at the step's beginning, counted from those at which contacts are recorded [m/s, rad/s]
 };
 
 /// Links at the end of a leapfrog's step, by the velocities that friction has left. Everything begins at the first link, and blocks [q | v]
 /// of links follow one another.
 struct StepEnd {
-    const float* velocity;       ///< at the end: [link_size()][stride]
-    std::ptrdiff_t stride;       ///< of velocity
+    const float* velocity;       ///< velocities at the end: [link_size()][stride]
+    std::ptrdiff_t stride;       ///< stride of `velocity`
     const double* counted_from;  ///< blocks; velocities count from theirs
     const double* start;         ///< blocks at the step's start
     double* end;                 ///< blocks at its end: coordinates by the mean of the velocities at both
     double* secants;             ///< blocks of slopes: velocities at the end, mean accelerations; nullptr: none
     double step;                 ///< [s]
-    double limit;                ///< of every number of a sound state [m, m/s]
+    double limit;                ///< bound of every number of a sound state [m, m/s]
 };
 
 }  // namespace cvtflow::model

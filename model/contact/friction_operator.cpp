@@ -24,7 +24,7 @@ HeldInverse free_inverse(const LinkInertia& inertia) noexcept {
     return {lateral, lateral, mirrored_inverse(inertia.axial_matrix.data(), 2)};
 }
 
-/// As a law is evaluated in floats: nothing is divided by zero there, either, and what is surely proportional is so after their rounding.
+/// Returns the law as it is evaluated in floats: without division by zero, and proportional after rounding wherever it is in doubles.
 FrictionCurve in_floats(FrictionCurve curve) {
     curve.proportional_speed = std::max(curve.proportional_speed, slowest_single);
     curve.linear_speed_squared = (1.0 - 1e-6) * curve.proportional_speed * curve.proportional_speed;

@@ -69,9 +69,9 @@ public:
         return (links + line) / line * line + line;
     }
 
-    /// Notes the contacts of the links of a range, replaces their reactions on the sheaves by those of the normal forces alone, and gives
-    /// the accelerations of the links by everything but friction, and velocities at the step's beginning, in one pass over them: to rows of
-    /// the record's columns, column = link + range.shift. Ghost columns are written with the links that they repeat, if the range requires
+    /// Records the contacts of a range of links, in one pass: the reactions on the sheaves become those of the normal forces alone. Writes
+    /// the accelerations without friction, and the velocities at the step's beginning, to rows of the record's columns, column = link +
+    /// range.shift. Ghost columns are written with the links that they repeat, if the range requires
     /// it.
     /// @param loads of the range's first link on   @param search nullptr: tips touch as the range's phases state
     void record(const ChainRange& range, const ContactDrift& drift, const ContactRecord& to, LinkLoad* loads,

@@ -36,8 +36,8 @@ struct VelocityRow {
 struct FrictionStage {
     const FrictionBase* base = nullptr;
     FloatColumns* slope = nullptr;            ///< may be absent from a row
-    const VelocityRow* next = nullptr;        ///< with base, or neither
-    double weight = 0.0;                      ///< of the tips' forces in their means [1]
+    const VelocityRow* next = nullptr;        ///< set together with `base`, or neither
+    double weight = 0.0;                      ///< weight of the tips' forces in their means [1]
     FloatColumns* mean_tip_forces = nullptr;  ///< [3 tips_per_link] rows: x, y, z of each tip
 };
 

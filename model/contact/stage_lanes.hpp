@@ -162,7 +162,7 @@ private:
         return {a * speed_factor_of_square<W>(law, first), b * speed_factor_of_square<W>(law, second)};
     }
 
-    /// Without the law by speed of the tips, which makes them no larger.
+    /// Factors without the tips' law by speed, which makes them no larger.
     [[nodiscard]] std::pair<V, V> plain_factors(int low, const V& first, const V& second) const noexcept {
         if (!friction_.by_phase()) return slip_factors_of_squares<W>(numbers_.tip, first, second);
         return {1.0 / tips_.within_branch(low, sqrt(first)), 1.0 / tips_.within_branch(low + 1, sqrt(second))};

@@ -338,8 +338,8 @@ private:
         for (int row = 0; row < link_layout.link_size(); ++row) add_velocity(row, responses_.step * change[row]);
     }
 
-    /// With the slip u that would be there without this tip's friction, c the limit and r the response, friction is -c u/(max(|u| - r c,
-    /// v0) + r c) times the law's factor.
+    /// Friction is -c u/(max(|u| - r c, v0) + r c) times the law's factor: u is the slip without this tip's friction, c the limit and r
+    /// the response.
     /// @return change of its force
     [[nodiscard]] AtTip<V> solve_tip(int corner, const AtTip<V>& v, const V& turn) const noexcept {
         const V friction_limit = tips_.contact(corner, Tip::friction_limit), full_slip = responses_.tip * friction_limit;

@@ -40,13 +40,13 @@ struct SweepResponses {
     SweepResponses(const FrictionOperator& friction, double step, double nominal) noexcept;
 
     float step;                                                                  ///< h [s]
-    std::array<float, max_joint_lanes> joint_across{}, joint_along{};            ///< of a point to its own force [m/s per N]
-    std::array<std::array<float, axis_terms>, max_joint_lanes> joint_lateral{};  ///< of a joint's modes to the force at a point
-    float joint_shift;                                                           ///< of its z to an axial force
-    std::array<float, max_joint_lanes> joint_tilt{};                             ///< of its e to the axial force at a point
-    float tip;                      ///< of a tip to forces at all tips of its link, each as large as its own
-    float plate_shift, plate_tilt;  ///< of the plates' z and e to their force and moment
-    float link_shift, link_tilt;    ///< of either end's z and e to the plates' force and moment, over the present step
+    std::array<float, max_joint_lanes> joint_across{}, joint_along{};            ///< response of a point to its force [m/s per N]
+    std::array<std::array<float, axis_terms>, max_joint_lanes> joint_lateral{};  ///< response of a joint's modes to the force at a point
+    float joint_shift;                                                           ///< response of its z to an axial force
+    std::array<float, max_joint_lanes> joint_tilt{};                             ///< response of its e to the axial force at a point
+    float tip;                      ///< response of a tip to equal forces at all tips of its link
+    float plate_shift, plate_tilt;  ///< responses of the plates' z and e to their force and moment
+    float link_shift, link_tilt;    ///< responses of either end's z and e to the plates' force and moment, over the present step
     double of_step, of_nominal;     ///< arguments that they were made from [s]
 };
 
@@ -65,8 +65,8 @@ struct FrictionSweep {
     const FloatColumns *base, *start;  ///< accelerations by everything but friction; velocities at the step's start
     const FloatColumns* before;        ///< [SweepRows::count()] rows, as the step before has left them
     FloatColumns* kept;                ///< the same of this step
-    FloatColumns* velocity;            ///< so far; those of the range
-    FloatColumns* result;              ///< at the end
+    FloatColumns* velocity;            ///< velocities so far, those of the range
+    FloatColumns* result;              ///< velocities at the end
     FloatColumns* mean_tip_forces;     ///< [3 tips_per_link] rows: mean force on each tip, x, y, z [N]
 };
 

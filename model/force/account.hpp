@@ -29,7 +29,7 @@ struct Account {
     [[nodiscard]] double operator[](Energy kind) const noexcept { return energy[static_cast<std::size_t>(kind)]; }
 };
 
-/// In their order.
+/// Sum of accounts, in their order.
 [[nodiscard]] inline Account total_of(std::span<const Account> accounts) noexcept {
     Account total;
     for (const Account& account : accounts) {

@@ -14,13 +14,13 @@ namespace {
 template <int W>
 struct GuideContact {
     using V = Lanes<W>;
-    V share;              ///< of the stiffness: 1, less at the ends of a rail, 0 outside it
+    V share;              ///< fraction of the stiffness: 1, less at the ends of a rail, 0 outside it
     V offset;             ///< u from the middle between the rails, outwards [m]
     V energy;             ///< [J]
     V normal;             ///< N ≥ 0 [N]
     V damping, approach;  ///< damping part of N [N], against its rate d' [m/s]
     V friction, speed;    ///< along the strand [N], against its speed s' [m/s]
-    V fx, fy;             ///< on the pin [N]
+    V fx, fy;             ///< force on the pin [N]
 
     /// @param part of a pin: 1, or ½ for one of its halves   @param x, y [m]   @param vx, vy [m/s]
     GuideContact(const GuideCoefficients& g, double part, const V& x, const V& y, const V& vx, const V& vy) noexcept {

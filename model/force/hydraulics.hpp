@@ -32,7 +32,7 @@ struct HydraulicInstant {
 /// Energies of the hydraulics since t = 0 [J]: pump = mechanical + volumetric + relief + valves + leakage + sheaves + change of stored.
 struct HydraulicEnergy {
     double pump = 0.0, mechanical = 0.0, volumetric = 0.0, relief = 0.0, valves = 0.0, leakage = 0.0, sheaves = 0.0;
-    double stored = 0.0;  ///< in compressed oil, now
+    double stored = 0.0;  ///< energy in compressed oil, now
 
     [[nodiscard]] double lost() const noexcept { return mechanical + volumetric + relief + valves + leakage; }
 };

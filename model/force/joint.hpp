@@ -56,7 +56,7 @@ struct JointMotion {
     Lanes<W> distance;                   ///< D [m]
     Lanes<W> depth;                      ///< δ [m]
     Lanes<W> slip, axial;                ///< slip along k×ν and along z [m/s]
-    Lanes<W> lever_before, lever_after;  ///< of each link's turning along k×ν [m]
+    Lanes<W> lever_before, lever_after;  ///< lever of each link's turning along k×ν [m]
 };
 
 /// @param points an AxisPoint of joints side by side, or all points of one joint (bench/staged/one_link.hpp)

@@ -18,7 +18,7 @@ namespace {
 /// How plates are stretched.
 template <int W>
 struct PlateStretch {
-    Lanes<W> dx, dy, dz;           ///< between the halves [m]
+    Lanes<W> dx, dy, dz;           ///< distances between the halves [m]
     Lanes<W> vz;                   ///< sliding [m/s]
     Lanes<W> stretch, stretching;  ///< [m], [m/s]
     Lanes<W> tension;              ///< elastic and damping [N]
@@ -56,7 +56,7 @@ template <int W>
            s.vz;
 }
 
-/// Behind the terms of a force, where observed: stored energy, power lost to damping and to friction.
+/// Stored energy, power lost to damping and to friction: rows behind the terms of a force, where observed.
 template <class Books>
 inline constexpr std::size_t plate_rows = 2 * axis_terms + 2 + (Books::observed ? 3 : 0);
 

@@ -49,7 +49,7 @@ private:
     double narrowing_ = 0.0;  ///< 1/(2 tan β), loss of running radius per opening of the groove [1]
 };
 
-/// Angle of what holds a shaft by its speed: φ_ref(t) = angle + ∫ω_ref from `since` to t.
+/// Reference angle of a speed-controlled shaft: φ_ref(t) = angle + ∫ω_ref from `since` to t.
 struct ReferenceAngle {
     double since = 0.0;  ///< [s]
     double angle = 0.0;  ///< [rad]
@@ -79,11 +79,11 @@ struct HeldInputs {
     std::optional<double> drive_torque;         ///< drive mode torque [N·m]
     std::optional<double> drive_speed;          ///< drive modes speed and coupling [rad/s]; the reference angle continues from reference[0]
     std::optional<double> load_speed;           ///< load modes speed and coupling [rad/s]; the reference angle continues from reference[1]
-    std::optional<double> ratio;                ///< of ratio control [1]
+    std::optional<double> ratio;                ///< target of ratio control [1]
     std::optional<double> driving_pressure;     ///< hydraulics.mode pressure [Pa]
     std::optional<double> driven_pressure;      ///< [Pa]
     std::optional<HeldSheave> sheave;           ///< driving sheave, with ratio control
-    std::array<ReferenceAngle, 2> reference{};  ///< of the shafts
+    std::array<ReferenceAngle, 2> reference{};  ///< one per shaft
     bool coupled = false;  ///< whether couplings, load mode speed and hydraulics have taken over (ShaftTorques::couple)
     bool operator==(const HeldInputs&) const = default;
 };
@@ -110,7 +110,7 @@ public:
     [[nodiscard]] double resisting_torque(double t, const double* block) const noexcept;  ///< against shaft 2 [N·m]
 
 private:
-    /// By what holds a shaft by its angle and speed [N·m]. t [s], block [unknowns of the pulleys]
+    /// Torque of the spring that holds a shaft by its angle and speed [N·m]. t [s], block [unknowns of the pulleys]
     [[nodiscard]] double holding_torque(const Spring& by, double t, const double* block, int shaft) const noexcept;
     [[nodiscard]] const TimeTable& speed_table(int shaft) const noexcept { return shaft == 0 ? drive_.speed : load_.speed; }
     [[nodiscard]] const std::optional<double>& held_speed(int shaft) const noexcept {
@@ -121,13 +121,13 @@ private:
     Drive drive_;
     Load load_;
     HeldInputs held_;
-    std::array<Spring, 2> governor_, holder_;  ///< of each shaft: as in mode speed; as its mode has it once couplings have taken over
+    std::array<Spring, 2> governor_, holder_;  ///< per shaft: of mode speed; of its mode once couplings have taken over
 };
 
 /// Input torques, clamping forces and rates of the controllers at one instant.
 struct Inputs {
-    double drive_torque = 0.0;         ///< on shaft 1 from outside [N·m]
-    double load_torque = 0.0;          ///< on shaft 2 from outside, negative brakes [N·m]
+    double drive_torque = 0.0;         ///< torque on shaft 1 from outside [N·m]
+    double load_torque = 0.0;          ///< torque on shaft 2 from outside, negative brakes [N·m]
     std::array<double, 2> clamping{};  ///< S_1, S_2 [N]
     std::array<double, 2> drag{};      ///< D_1, D_2 of bearings, seals and oil on the shafts, positive against a positive speed [N·m]
     /// I' of the controllers [1], then rates of the hydraulics; zero without them
@@ -195,7 +195,7 @@ private:
     [[nodiscard]] std::array<double, 2> drag(double factor, const std::array<double, 2>& clamping, const double* block) const noexcept;
     /// Pull of both strands on each shaft's bearings, by the tension that the clamping forces make [N]. block [unknowns of the pulleys]
     [[nodiscard]] double strand_pull(const std::array<double, 2>& clamping, const double* block) const noexcept;
-    [[nodiscard]] Inputs requested(double t, const double* tail) const noexcept;  ///< as at(), before hydraulics
+    [[nodiscard]] Inputs requested(double t, const double* tail) const noexcept;  ///< result of at() before hydraulics
     [[nodiscard]] bool hydraulics_act() const noexcept {
         return hydraulics_.present() && torques_.held().coupled && coordinates().size() != 0;
     }

@@ -216,8 +216,8 @@ template <class Tips>
 
 /// Phases of the tips in the lanes.
 struct PhaseLanes {
-    const Phase* first;  ///< of lane 0
-    int stride;          ///< from lane to lane
+    const Phase* first;  ///< phase of lane 0
+    int stride;          ///< step from lane to lane
     bool by_phase;       ///< whether any of them is `stick` or `slip`
     std::size_t count;   ///< lanes that represent tips
     [[nodiscard]] Phase operator[](std::size_t lane) const noexcept { return first[static_cast<std::size_t>(stride) * lane]; }

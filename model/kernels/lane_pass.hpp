@@ -29,7 +29,7 @@ public:
     /// slope [unknowns, per second]
     LanePass(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, const Contacts& contacts = {}) noexcept
         : LanePass(model, model.coefficients(), range, slope, loads, contacts) {}
-    /// With other coefficients than the model's.
+    /// Takes other coefficients than the model's.
     LanePass(const ChainModel& model, const Coefficients& c, const ChainRange& range, double* slope, LinkLoad* loads,
              const Contacts& contacts) noexcept
         : model_(model), c_(c), range_(range), links_(range.last - range.first), slope_(slope), loads_(loads), contacts_(contacts) {}

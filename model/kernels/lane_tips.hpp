@@ -91,7 +91,7 @@ private:
         return tip_action(c_, columns.frame, geometry, motion, forces);
     }
 
-    /// Without friction where contacts are recorded: it is solved for apart from all else.
+    /// Leaves out friction where contacts are recorded: it is solved for separately.
     template <class Geometry>
     [[nodiscard, gnu::always_inline]] auto forces_of(int number, const Geometry& geometry, const TipMotion<V>& motion) noexcept {
         if constexpr (Contacts::recorded) {
@@ -211,7 +211,7 @@ private:
 
     const Coefficients& c_;
     const ChainRange& range_;
-    const Phase* phases_;  ///< of the first lane's link
+    const Phase* phases_;  ///< phases of the first lane's link
     int group_;            ///< first lane's link, from the range's first
     int count_;
     std::array<std::uint32_t, W> words_{};  ///< phases of each link, 0 beyond the last

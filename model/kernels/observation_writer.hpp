@@ -37,7 +37,7 @@ struct ContactBooks {
     static constexpr std::size_t numbers = 3;
 
     std::array<Lanes<W>, numbers> rows;  ///< energy, loss by damping, loss by friction
-    double factor = 1.0;                 ///< of the energy
+    double factor = 1.0;                 ///< factor on the energy
     ContactBooks() noexcept { rows.fill(Lanes<W>(0.0)); }
 
     void lose(Loss kind, const Lanes<W>& watts) noexcept { rows[kind == Loss::joint_damping || kind == Loss::tip_damping ? 1 : 2] = watts; }

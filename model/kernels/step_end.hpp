@@ -14,7 +14,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// A LinkAdvance.
+/// Advances links: to = from + by · along.
 inline void advance_links(const double* from, const double* along, double by, double* to, int links) noexcept {
     constexpr int block = 2 * link_layout.link_size();
     static_assert(block % native_lanes == 0);
@@ -25,7 +25,7 @@ inline void advance_links(const double* from, const double* along, double by, do
     }
 }
 
-/// The block of one link whose velocities at the end are there, but for those that they count from.
+/// Completes the block of one link: adds the velocities that those at the end count from.
 /// @param sound becomes 0 where a number is not below `above`   @param above [m, m/s]
 template <int size, int W>
 inline void end_block(StepEnd end, int link, const Lanes<W>& above, Lanes<W>& sound) noexcept {

@@ -66,7 +66,7 @@ struct LargestStep {
 class AutoStep final : public StepChoice {
 public:
     /// Share of the stable step that is taken. The spectrum is estimated from below, to some per cent, and changes between two estimates;
-    /// friction beside an oscillation is not the worst one. Measurements: DECISIONS 75.
+    /// the margin covers both. Measurements: DECISIONS 75.
     static constexpr double margin = 0.85;
     /// Share if friction does not reduce stability: the limit is that of the whole linearised step to half a per cent, and the rest covers
     /// the spectrum.

@@ -56,8 +56,8 @@ struct RunReport : RunHistory {
     bool has_pulleys = true;
 
     [[nodiscard]] bool reliable() const noexcept { return balance_error_ratio <= 1.0; }
-    /// "finished", "unreliable", "cycle_missed", or the fault's name: unreliable results of a run that also ended early are called so by
-    /// its summary.
+    /// "finished", "unreliable", "cycle_missed", or the fault's name, which goes first: the summary also reports a run that ended early
+    /// and is unreliable.
     [[nodiscard]] std::string status() const {
         if (fault) return fault.name();
         return !reliable() ? "unreliable" : whole.cycle_missed() ? "cycle_missed" : "finished";

@@ -16,9 +16,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// Rows of channels that are written together: handing all datasets to HDF5 costs as much as hundreds of rows. Thousands of channels take
-/// fewer rows, so that what is gathered stays within some megabytes. A short run has no more than it will write: a chunk takes its whole
-/// room in the file. @param rows of the whole run
+/// Rows of channels per write. Writing all datasets once costs as much as hundreds of rows. The buffer is limited to a few megabytes, and
+/// to the rows of the run, because a chunk takes its full size in the file. @param rows of the whole run
 int rows_together(const std::vector<engine::ChannelInfo>& channels, double rows) {
     constexpr std::size_t least = 16, fewest = 512, most = 2048, numbers = std::size_t{1} << 21U;
     std::size_t width = 1;  // of the time

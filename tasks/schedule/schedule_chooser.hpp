@@ -4,7 +4,7 @@
 ///
 /// The run itself is the measurement: schedules take turns on its steps (results do not depend on the schedule), so a trial costs only
 /// the time by which the schedule on trial is slower than the one in use. These losses are counted, and a turn is taken only while their
-/// sum, this turn being wasted entirely, stays below `max_trial_share` of the time so far. One turn is taken sooner: that of the fewest
+/// sum, assuming that this turn is wasted, stays below `max_trial_share` of the time so far. One turn is taken sooner: that of the fewest
 /// threads beyond the first candidate's, once the owner answers that as many threads meet fast. A run too short for a trial stays with the
 /// first candidate. Threads must pay: of candidates that are about equally fast the one with the fewest is chosen.
 ///

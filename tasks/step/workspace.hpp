@@ -192,7 +192,7 @@ public:
     [[nodiscard]] const model::Observation& shafts_observed_by(model::Observer& observer, double time) const noexcept {
         return observer.observe_shafts(time, tail());
     }
-    /// y to set from outside, between two runs; then call StepMethod::restart.
+    /// Writable state y, between two runs; the caller then calls StepMethod::restart.
     [[nodiscard]] double* state_to_set() noexcept {
         static_cast<void>(state());
         columns_have_state_ = links.observed = false;

@@ -156,7 +156,7 @@ TEST(OutputRule, TheScannerSeesEveryKindOfCall) {
 // DeclaredNames of unnamed namespaces differ from those that headers declare in the same namespace. Sources are compiled in groups, where
 // a file's local name would silently take the place of a header's in the files behind it.
 
-/// With their namespaces: "cvtflow::tasks::min_slip".
+/// Names with their namespaces: "cvtflow::tasks::min_slip".
 struct DeclaredNames {
     std::set<std::string> local, shared;
 };

@@ -114,7 +114,7 @@ enum class Place { comment, literal, name };
 
 struct SourceText {
     Place place;
-    int line;          ///< of its beginning, from 1
+    int line;          ///< line of its beginning, from 1
     std::string text;  ///< comment: its consecutive lines, without code between backticks; name: its words, in lower case
     bool docstring = false;
 };
@@ -358,7 +358,7 @@ void write_table(const Places& places) {
     for (const auto& [row, each] : places) file << row << "," << each.size() << "\n";
 }
 
-/// What differs from the table, as a message per row; empty: nothing.
+/// Differences from the table, a message per row; empty: none.
 std::string differences(const Places& places, const Counts& table) {
     Counts rows = table;
     for (const auto& [row, each] : places) rows.try_emplace(row, 0);

@@ -165,7 +165,7 @@ void require_no_input(const std::string& path, const std::vector<fs::path>& inpu
 
 namespace {
 
-/// A file as it is under a name, or that there is none; another file or other contents differ.
+/// Identity of the file under a name, or of its absence; another file or other contents differ.
 using Version = std::array<std::intmax_t, 5>;
 
 Version version_of(const std::string& path) {

@@ -59,7 +59,7 @@ public:
     void repartitioned() override;
     [[nodiscard]] AtTransition at_transition() const noexcept override { return AtTransition::repeat; }
     void restart() noexcept override;
-    void phases_changed() noexcept override {}  // history stays good: nothing jumps
+    void phases_changed() noexcept override {}  // the history remains valid: nothing jumps
     /// Memory between steps: forces of the last step, and the vectors of power iterations.
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< @param memory from save()

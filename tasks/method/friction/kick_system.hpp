@@ -21,9 +21,9 @@ struct GhostColumn {
 
 /// Columns of links in the fields of their segment, and the columns that neighbouring segments read.
 ///
-/// Columns of all links side by side would make segments share cache lines, and what a processor fetches ahead, a row's lines up to the
-/// next segment's, would be taken from the processor that writes them at every stage. So every segment has separate fields, ghost columns
-/// included, and what its neighbours need is handed over in one piece.
+/// With the columns of all links side by side, segments would share cache lines, and prefetching would steal lines from the segment that
+/// writes them at every stage. So every segment has separate fields, ghost columns included, and what its neighbours need is handed over
+/// in one piece.
 class SegmentColumns {
 public:
     /// Column of every segment's first link: there a cache line begins.

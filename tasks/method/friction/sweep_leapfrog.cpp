@@ -23,8 +23,8 @@ constexpr double ahead = 0.5;
 /// Steps whose lengths differ by less have the same length; the time is rounded.
 constexpr double same_length = 1e-6;
 
-/// Sweeps of a step. A force is late by what a sweep has not followed, and that does not shrink with the speed at which it saturates: two
-/// sweeps at a tenth of the usual speeds have twice the error of tips, five the same (decisions 96 and 104).
+/// Number of sweeps of a step. The error of a sweep does not decrease with the saturation speed: two sweeps at a tenth of the usual
+/// speeds have twice the error of tips, five the same (decisions 96 and 104).
 constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 2.0, max_sweeps = 12.0, power_of_slowness = 0.4;
 
 [[nodiscard]] double needed_sweeps(const model::Parameters& parameters) {

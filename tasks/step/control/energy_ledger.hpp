@@ -110,7 +110,7 @@ struct EnergyAccount : InputWorks {
     double stored = 0.0;                           ///< [J]
 };
 
-/// Sums at the outputs of the last pin period, round and round.
+/// Ring buffer of the sums at the outputs of the last pin period.
 class PastSums {
 public:
     /// Forgets what lies more than a pin period back, but for the last such output, and keeps this one. pin_period [s]
@@ -220,7 +220,7 @@ private:
         double outputs, output_time;                            ///< [1, s]
         EnergyMark all, part;                                   ///< begins of the judged spans: all, and the present window
         double max_error_ratio, dense_sampling;                 ///< dense_sampling: 1 while samples lie close [1]
-        double judged_from;  ///< earliest begin of a window that counts: settling (t < 0) forgets how it began [s]
+        double judged_from;  ///< windows that begin earlier do not count: the start of settling (t < 0) [s]
         PastSums past;       ///< sums at outputs
 
         void add_noise(double power, double spacing) noexcept;

@@ -8,7 +8,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// A step by hand [s]. A third of 10 us is written as 3.33 us: it is that of the grid that is longer by what three digits leave out.
+/// The given step [s], or the exact divisor of the output interval that it equals to three digits: 3.33 us becomes 10 us/3.
 [[nodiscard]] double fixed_step(const StepSettings& settings) noexcept {
     constexpr double three_digits = 1.1e-3, tenth_of_a_step = 0.1;
     const double steps = settings.output_interval / settings.step, whole = std::floor(steps);

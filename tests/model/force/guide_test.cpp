@@ -37,7 +37,7 @@ double along_strand(const GuideCoefficients& g, const GuideContact<1>& c) { retu
 double out_of_strand(const GuideCoefficients& g, const GuideContact<1>& c) { return g.cosine * c.fy[0] - g.sine * c.fx[0]; }
 
 /// k (|u| - c) beyond the clearance, at rest; places are known to 1e-17 m.
-TEST(Guide, HoldsAPinBeyondItsClearanceAlone) {
+TEST(Guide, ActsOnlyBeyondTheClearance) {
     const GuideCoefficients g = guide_of_a_slanted_strand();
     for (const double u : {-1e-3, -0.3e-3, 0.3e-3, 1e-3}) {
         const double expected = std::copysign(rail_stiffness * (std::abs(u) - rail_play), -u);

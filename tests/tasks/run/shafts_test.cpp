@@ -113,7 +113,7 @@ TEST(SimulationCouplings, CannotBeTuned) { EXPECT_THROW(Tuner(coupled_scene(), {
 
 constexpr double driving_torque = 14.0, loading_torque = 11.0;  // [N·m]
 
-/// `tiny` between two constant torques, its shafts with seals, bearings and oil.
+/// Scene `tiny` between two constant torques, its shafts with seals, bearings and oil.
 Scene dragged_scene(const std::string& detail, std::vector<std::string> more = {}) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
     apply_detail(scene, detail);
