@@ -1,5 +1,5 @@
 #pragma once
-/// Where C meets C++: handles, and a wall that no exception passes. Internal to api.
+/// Boundary of C and C++: handles, and a wall that no exception passes. Internal to api.
 
 #include <cvtflow/cvtflow.h>
 

@@ -16,8 +16,8 @@ using namespace engine;
 
 namespace {
 
-/// Why this is free of races. One level at a time is open. The caller C writes what the level is, then stores its number to `opened`;
-/// a worker W loads that number, runs its share, then stores the number to its `done`; C loads every `done`.
+/// Proof that this is free of races: one level at a time is open. The caller C writes what the level is, then stores its number to
+/// `opened`; a worker W loads that number, runs its share, then stores the number to its `done`; C loads every `done`.
 ///
 ///     C   level_ = …; opened ◄─ 7 ······ share ······ done[1] = 7? ─► controller, level_ = …; opened ◄─ 8
 ///                          │ release/acquire           ▲ acquire/release

@@ -296,7 +296,7 @@ inline void accelerate(const LinkInertia& inertia, double* f) noexcept {
 /// Forces of the tips of one link, kept apart until they are added.
 struct TipShare {
     double force[4 * axis_terms + 4];
-    double moment;  ///< about z [N·m]
+    double moment;  ///< moment about z [N·m]
 };
 
 /// Tips of a link that touches somewhere; reactions on its sheaves to `load`. state [unknowns of the link]

@@ -29,7 +29,7 @@ public:
                                    tasks::RunObserver& observer, const engine::Cancellation& cancel);
     /// Counters of the last run.
     [[nodiscard]] const tasks::Counters& counters() const noexcept { return counters_; }
-    /// Where the last run ended [s].
+    /// End of the last run [s].
     [[nodiscard]] double time() const noexcept { return integrator_.workspace().step.time; }
     /// Step in use at the end of the last run [s].
     [[nodiscard]] double step() const noexcept { return step_; }

@@ -40,7 +40,7 @@ struct Opened {
     struct stat about {};
 };
 
-/// Up to `count` bytes; fewer only at the file's end.
+/// Reads up to `count` bytes; fewer only at the file's end.
 std::size_t read_at(int descriptor, std::uint64_t offset, std::byte* bytes, std::size_t count) {
     std::size_t done = 0;
     while (done < count) {

@@ -47,7 +47,7 @@ public:
     [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
     /// Whether a descriptor is open on the same file.
     [[nodiscard]] bool same_as(int descriptor) const noexcept;
-    /// Up to `count` bytes from `offset` on; fewer only at the file's end. @throws InputError
+    /// Reads up to `count` bytes from `offset` on; fewer only at the file's end. @throws InputError
     [[nodiscard]] std::size_t read(std::uint64_t offset, std::byte* bytes, std::size_t count) const;
 
 private:

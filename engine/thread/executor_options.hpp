@@ -5,7 +5,7 @@ namespace cvtflow::engine {
 
 class StampRecorder;
 
-/// How a thread waits for others. It always begins with pauses (the processor rests, the thread stays) and then yields (others may
+/// Way in which a thread waits for others. It always begins with pauses (the processor rests, the thread stays) and then yields (others may
 /// use the processor), so that threads that outnumber processors make progress under every policy.
 enum class Wait {
     spin,      ///< pauses for 2 ms: least latency, for an exclusive machine

@@ -47,7 +47,7 @@ struct LinkContact {
     double depth[tips_per_link] = {};       ///< δ [m], negative: gap
     double normal[tips_per_link] = {};      ///< N [N]
     double axial[tips_per_link] = {};       ///< force of each tip on its sheave along z [N]
-    double tangential[tips_per_link] = {};  ///< along the circumference, in the sense of positive rotation [N]
+    double tangential[tips_per_link] = {};  ///< force along the circumference, in the sense of positive rotation [N]
     double radial[tips_per_link] = {};      ///< away from the shaft's axis [N]
     double radius[tips_per_link] = {};      ///< distance of the contact from that axis [m]
     double sliding[tips_per_link] = {};     ///< speed along the sheave's surface [m/s]

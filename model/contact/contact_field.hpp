@@ -85,7 +85,7 @@ struct ContactDrift {
     SheaveMotion change[4]{};  ///< changes of the sheaves' velocities over the step
 };
 
-/// Where a record decides which tips touch: those that penetrate, and those that touched and have not receded by more than `release`.
+/// Search in a record for the tips that touch: those that penetrate, and those that touched and have not receded by more than `release`.
 struct TipSearch {
     Phase* phases;                         ///< [links * 4], of the whole chain; in and out
     double release;                        ///< PhaseRule::release [m]

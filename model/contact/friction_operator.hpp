@@ -34,7 +34,7 @@ struct FrictionStage;   // model/contact/friction_stage.hpp
 struct FrictionSweep;   // model/contact/sweep_step.hpp
 struct FrictionPowers;  // likewise
 
-/// to = from + by · along, of the state of `links` links.
+/// Advances links: to = from + by · along, of the state of `links` links.
 using LinkAdvance = void(const double* from, const double* along, double by, double* to, int links) noexcept;
 
 /// Functions of friction, and of a step's middle and end, of one instruction set.

@@ -50,7 +50,7 @@ struct SweepResponses {
     double of_step, of_nominal;     ///< arguments that they were made from [s]
 };
 
-/// Which part of a step.
+/// Part of a step.
 enum class SweepPart {
     opening,  ///< velocities with the forces of the step before, half their last change added; then plates and tips of the links
     middle,   ///< joints, then links

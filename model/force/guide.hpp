@@ -19,7 +19,7 @@ struct GuideContact {
     V energy;             ///< [J]
     V normal;             ///< N ≥ 0 [N]
     V damping, approach;  ///< damping part of N [N], against its rate d' [m/s]
-    V friction, speed;    ///< along the strand [N], against its speed s' [m/s]
+    V friction, speed;    ///< force along the strand [N], against its speed s' [m/s]
     V fx, fy;             ///< force on the pin [N]
 
     /// @param part of a pin: 1, or ½ for one of its halves   @param x, y [m]   @param vx, vy [m/s]

@@ -18,7 +18,7 @@ struct CylinderMotion {
 /// Hydraulics at one instant. Index 0: driving, 1: driven.
 struct HydraulicInstant {
     std::array<double, 2> target{}, set{}, pressure{};  ///< requested of a valve, set by it, in the cylinder at r_0 [Pa]
-    std::array<double, 2> flow{}, force{};              ///< into the cylinder [m³/s]; clamping force S [N]
+    std::array<double, 2> flow{}, force{};              ///< flow into the cylinder [m³/s]; clamping force S [N]
     double line = 0.0;                                  ///< pressure behind the pump [Pa]
     double pump_speed = 0.0, pump_torque = 0.0;         ///< [rad/s, N·m]
     double pump_flow = 0.0, spill = 0.0;                ///< [m³/s]; spill: what the cylinders do not take; 0: the pump is short of flow

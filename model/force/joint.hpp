@@ -176,7 +176,7 @@ template <int W, class Real, class Points, class Books>
     return rolling_terms<W>(j, frames, points, m, normal, friction_per_speed);
 }
 
-/// How far the square of the transverse offset of the arc centres exceeds that of the clearance, times |t₋ + t₊|².
+/// Excess of the square of the transverse offset of the arc centres over that of the clearance, times |t₋ + t₊|².
 template <int W, class Real>
 [[nodiscard]] inline Lanes<W> beyond_clearance(const JointCoefficients& j, const JointFrames<Real>& frames,
                                                const JointMotion<W>& m) noexcept {

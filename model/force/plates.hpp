@@ -15,7 +15,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// How plates are stretched.
+/// Stretch of plates.
 template <int W>
 struct PlateStretch {
     Lanes<W> dx, dy, dz;           ///< distances between the halves [m]

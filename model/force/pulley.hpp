@@ -16,7 +16,7 @@ namespace cvtflow::model {
 /// Load on the bearings of a shaft: force and moment of the shaft on the housing.
 struct BearingLoad {
     std::array<double, 3> force{};   ///< x, y, axial [N]
-    std::array<double, 2> moment{};  ///< about x, y, at the middle of the shaft [N·m]
+    std::array<double, 2> moment{};  ///< moment about x, y, at the middle of the shaft [N·m]
 };
 
 class ShaftSupports {

@@ -75,7 +75,7 @@ struct HeldSheave {
 struct HeldInputs {
     std::optional<double> driving;              ///< S_1 [N]
     std::optional<double> driven;               ///< S_2 [N]
-    std::optional<double> load_torque;          ///< against the travel of shaft 2 [N·m]
+    std::optional<double> load_torque;          ///< torque against the travel of shaft 2 [N·m]
     std::optional<double> drive_torque;         ///< drive mode torque [N·m]
     std::optional<double> drive_speed;          ///< drive modes speed and coupling [rad/s]; the reference angle continues from reference[0]
     std::optional<double> load_speed;           ///< load modes speed and coupling [rad/s]; the reference angle continues from reference[1]
@@ -107,7 +107,7 @@ public:
     [[nodiscard]] bool coupled(int shaft) const noexcept;
     [[nodiscard]] CouplingState coupling(double t, const double* block, int shaft) const noexcept;
     [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;      ///< t [s], block [unknowns of the pulleys]
-    [[nodiscard]] double resisting_torque(double t, const double* block) const noexcept;  ///< against shaft 2 [N·m]
+    [[nodiscard]] double resisting_torque(double t, const double* block) const noexcept;  ///< torque against shaft 2 [N·m]
 
 private:
     /// Torque of the spring that holds a shaft by its angle and speed [N·m]. t [s], block [unknowns of the pulleys]
@@ -121,7 +121,7 @@ private:
     Drive drive_;
     Load load_;
     HeldInputs held_;
-    std::array<Spring, 2> governor_, holder_;  ///< per shaft: of mode speed; of its mode once couplings have taken over
+    std::array<Spring, 2> governor_, holder_;  ///< springs per shaft: of mode speed; of its mode once couplings have taken over
 };
 
 /// Input torques, clamping forces and rates of the controllers at one instant.

@@ -1,5 +1,5 @@
 #pragma once
-/// Where a sheave is and how it moves: all that a tip needs to know of the pulleys, elastic or rigid.
+/// Position and motion of a sheave: all that a tip needs to know of the pulleys, elastic or rigid.
 
 namespace cvtflow::model {
 

@@ -44,7 +44,7 @@ struct TipLinks {
     const std::array<std::uint32_t, W>& touches;  ///< phases of each link, 0: it touches nowhere
 };
 
-/// Where the numbers of W links go in rows of columns, of doubles or of floats; lanes first … last - 1 represent links.
+/// Destination of the numbers of W links in rows of columns, of doubles or of floats; lanes first … last - 1 represent links.
 template <int W, class Number>
 struct GroupRows {
     Number* to;  ///< row 0, lane 0

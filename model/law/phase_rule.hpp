@@ -1,5 +1,5 @@
 #pragma once
-/// When a tip changes its phase: thresholds with hysteresis, as functions whose sign changes at the transition.
+/// Rule of phase changes of a tip: thresholds with hysteresis, as functions whose sign changes at the transition.
 /// A tip that would flip back at once stays.
 
 #include "model/parameters/chain_layout.hpp"

@@ -49,7 +49,7 @@ inline constexpr int axis_terms = axis_order + 1;
 /// Rigid pins bend in one shape, the second.
 inline constexpr int rigid_pin_order = 2;
 
-/// Which half of a link.
+/// Half of a link.
 enum class End { rear = 0, front = 1 };
 /// Number of an end's body in its block: a rigid pin is one body.
 [[nodiscard]] constexpr int body_of(End end, bool rigid) noexcept { return rigid ? 0 : static_cast<int>(end); }

@@ -325,7 +325,7 @@ struct Control {
     return control.quantity == ControlledQuantity::ratio && control.driven != DrivenControl::none ? 2 : 1;
 }
 
-/// Where the run begins.
+/// Beginning of the run.
 struct Start {
     StartLayout layout = StartLayout::belt;
     double ratio = 1.0;            ///< r_2/r_1 of the geometric start; speeds follow within 1.5 % (a bent chain is shorter) [1]

@@ -236,7 +236,7 @@ namespace {
 [[nodiscard]] double norm(Point a) { return portable_hypot(a.x, a.y); }
 [[nodiscard]] Point unit(Point a) { return (1.0 / norm(a)) * a; }
 
-/// How much further than once round the chords lead.
+/// Length by which the chords exceed the pitch path.
 [[nodiscard]] double excess(const PitchPath& path, const std::vector<double>& chord, double phase) {
     double s = phase;
     Point point = path.at(s);

@@ -16,7 +16,7 @@ namespace cvtflow::tasks {
 /// A coupling of a shaft at the end of a run.
 struct CouplingReport {
     int shaft = 0;                            ///< 0, 1
-    double twist = 0.0;                       ///< far end less shaft [rad]
+    double twist = 0.0;                       ///< angle of the far end less that of the shaft [rad]
     double stored = 0.0;                      ///< [J]
     double far_work = 0.0, dissipated = 0.0;  ///< work at the far end (negative: taken out) and losses, since t = 0 [J]
 };

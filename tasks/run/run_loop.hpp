@@ -29,7 +29,7 @@ protected:
 /// End of a run.
 struct RunEnd {
     double time;    ///< infinite where it ends when its means are steady [s]
-    double latest;  ///< no run lasts longer [s]
+    double latest;  ///< latest possible end [s]
 };
 [[nodiscard]] RunEnd end_of(const Scene& scene);
 

@@ -34,7 +34,7 @@ public:
     void begin_at(const FrozenStart& start);
     /// Runs until the controller stops. The controller is one of this workspace and method.
     void run(StepController& controller) { runner_.run(controller); }
-    /// Other parameters, with which the state vector has the same layout; between two integrations.
+    /// Replaces the parameters by others, with which the state vector has the same layout; between two integrations.
     void adopt(const model::Parameters& parameters);
 
 private:

@@ -198,7 +198,7 @@ public:
         columns_have_state_ = links.observed = false;
         return states[0];
     }
-    /// Another variator of the same layout, at rest before its start; between runs only.
+    /// Replaces the variator by one of the same layout, at rest before its start; between runs only.
     void adopt(const model::Parameters& other);
     /// The tips' law takes the temperatures that are: at a start, and where an integration resumes.
     void warm() noexcept { variator.warm(parameters, heat.film()); }

@@ -1,4 +1,4 @@
-/// Who may include whom, and where threads and third parties may be spoken of.
+/// Rules of includes, and of the places that may name threads and third parties.
 ///
 ///     model  → std                                              bench, tests → everything; tools → all but bench and tests
 ///     engine → std, POSIX, fmt (.cpp), HDF5 in engine/record (.cpp), oneTBB and OpenMP in engine/executor and engine/thread

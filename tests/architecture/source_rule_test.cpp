@@ -24,7 +24,7 @@ const std::regex locale_calls(R"(\b(strto(d|f|ld)|atof|sto(d|f|ld)|[a-z]*printf|
                               R"(|\b(basic_)?o?stringstream\b|\bstd::locale\(|\blocale::global\b|\bput_time\b)");
 const std::regex stream(R"(\b(std::)?(ifstream|istringstream|istream)\b)"), extraction(R"([\w)] >> [a-z]\w*)"), grouped(R"(\{:[^{}"]*L\})");
 
-/// Who may, and why.
+/// Files that may, and the reason.
 const std::map<std::string, std::string> locale_exempt{
     {"tasks/scene/ready_scenes.cpp", "addresses in hexadecimal"},
     {"tasks/batch/shard.cpp", "counts in a folder's name"},
@@ -85,7 +85,7 @@ const std::map<std::string, std::regex> calls{
          R"(\b(remove_all|copy_file|renameat2?|unlink(at)?|rmdir)\b ?\(|\b(fs|filesystem)::(rename|remove|copy)\(|\bstd::rename\()")},
 };
 
-/// Who may, and why. Everybody else writes through engine::Permit: write_whole, write_state, write_cases, CaseWriter, RunFile.
+/// Files that may, and the reason. All others write through engine::Permit: write_whole, write_state, write_cases, CaseWriter, RunFile.
 const std::map<std::string, std::map<std::string, std::string>> exempt{
     {"create",
      {{"engine/record/run/part_file.cpp", "the one writer: FILE.part, which asks for a Permit"},

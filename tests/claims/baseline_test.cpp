@@ -28,7 +28,7 @@ double amplitude(const std::vector<double>& time, const std::vector<double>& sig
     return 2.0 * std::hypot(cosine, sine) / n;
 }
 
-/// How far a line stands out of what lies between it and its harmonics.
+/// Height of a line over what lies between it and its harmonics.
 double prominence(const Operation& run, const std::vector<double>& signal, double frequency) {
     double floor = 0.0;
     for (const double factor : {0.6, 0.75, 1.25, 1.4}) floor = std::max(floor, amplitude(run.time, signal, factor * frequency));

@@ -59,7 +59,7 @@ bool is_in_word(const std::string& text, std::size_t at) {
     return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '_');
 }
 
-/// Where a text contains a word or its plural. A name in a file (`energy_suspicion`) is one word.
+/// Positions of a word or its plural in a text. A name in a file (`energy_suspicion`) is one word.
 std::vector<std::size_t> positions_of(const std::string& text, const std::string& word) {
     std::vector<std::size_t> found;
     for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
@@ -109,7 +109,7 @@ TEST(Pages, ColumnsAreCodePoints) { EXPECT_EQ(columns("2 μs, 0 … 1"), 11u); }
 
 // Sources as the glossary sees them: their comments, literals and names.
 
-/// Where a word can occur in a source.
+/// Kind of text in a source in which a word can occur.
 enum class Place { comment, literal, name };
 
 struct SourceText {
@@ -275,7 +275,7 @@ constexpr std::array fragments{"of ",     "what ",    "that ",   "from ",  "by "
 using Row = std::string;
 using Counts = std::map<Row, int>;
 
-/// Where a rule matches: "tasks/step/a.cpp:12: …".
+/// Places where a rule matches: "tasks/step/a.cpp:12: …".
 using Places = std::map<Row, std::vector<std::string>>;
 
 const char* name_of(Place place) { return place == Place::comment ? "comment" : place == Place::literal ? "literal" : "name"; }
@@ -286,7 +286,7 @@ std::vector<std::string> rejected_words() {
     return words;
 }
 
-/// Where a sentence begins with these words.
+/// Positions of sentences that begin with these words.
 std::vector<std::size_t> beginnings_of(const std::string& text, const std::string& words) {
     std::vector<std::size_t> found;
     for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1))
@@ -295,7 +295,8 @@ std::vector<std::size_t> beginnings_of(const std::string& text, const std::strin
     return found;
 }
 
-/// Where a docstring appends units to a finished sentence, "…; time [s]", or a second docstring in brackets, "[what save() wrote]".
+/// Positions where a docstring appends units to a finished sentence, "…; time [s]", or a second docstring in brackets, "[what save()
+/// wrote]".
 std::vector<std::size_t> unit_tails_of(const std::string& text) {
     std::vector<std::size_t> found;
     for (std::size_t at = text.find(" ["); at != std::string::npos; at = text.find(" [", at + 1)) {

@@ -163,12 +163,12 @@ Real kinetic_energy(const System& system, std::span<const Real> state);
 /// Shaft (0 driving, 1 driven) to which a link belongs.
 int shaft_of(const System& system, const Link& link);
 
-/// Where the flank of a sheave lies against its body if it is imperfect: eccentric by its run-out, which turns with it, and pulley 2 beside
+/// Offset of the flank of a sheave from its body if it is imperfect: eccentric by its run-out, which turns with it, and pulley 2 beside
 /// its place [m]; and its rate [m/s].
 Vec3 flank_offset(const System& system, int shaft, int side);
 Vec3 flank_rate(const System& system, int shaft, int side);
 
-/// Where one tip is and how it meets its sheave.
+/// Position of one tip, and its contact with its sheave.
 struct TipContact {
     int shaft, side, sheave;  ///< numbers: 0/1, 0/1 (-z/+z), body
     Real s;                   ///< side as a sign

@@ -165,7 +165,7 @@ protected:
             << "after: " << where << "\nthen: " << again.err;
     }
 
-    /// How often the command ended with which status, by what failed.
+    /// Number of ends of the command by status and by what failed.
     void print_endings() const {
         for (const auto& [ending, count] : endings_) std::printf(" %s x %ld;", ending.c_str(), count);
         std::printf("\n");

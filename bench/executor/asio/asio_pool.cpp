@@ -19,7 +19,7 @@ using namespace engine;
 
 namespace {
 
-/// Where a task's handler lies while it waits in the queue; a task waits there once at a time.
+/// Memory of a task's handler while it waits in the queue; a task waits there once at a time.
 struct alignas(128) Place {
     std::byte bytes[256];
 };
@@ -50,8 +50,8 @@ struct PlaceAllocator {
 /// Number of the calling thread in the run that it works for.
 thread_local int asio_thread = 0;
 
-/// Why this is free of races: a task is posted by the one that takes its counter to zero (acquire and release), and the queue's lock orders
-/// all writes before posting before the handler. Counters of a cycle are set by the thread that begins it, before it posts any task.
+/// Proof that this is free of races: a task is posted by the one that takes its counter to zero (acquire and release), and the queue's lock
+/// orders all writes before posting before the handler. Counters of a cycle are set by the thread that begins it, before it posts any task.
 class Queue {
 public:
     Queue(Run& run, const ExecutorOptions& options)

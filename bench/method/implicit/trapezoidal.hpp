@@ -12,7 +12,7 @@ namespace cvtflow::bench {
 
 // How Newton's method finds its matrix, and what became of it.
 
-/// Where the matrix of an iteration comes from.
+/// Source of an iteration's matrix.
 enum class NewtonMatrix {
     every_iteration,  ///< new Jacobian in each iteration
     once_per_step,    ///< new Jacobian at the start of each step
@@ -23,7 +23,7 @@ enum class NewtonMatrix {
 
 [[nodiscard]] constexpr bool keeps_over_steps(NewtonMatrix matrix) noexcept { return matrix >= NewtonMatrix::frozen; }
 
-/// Where the iteration starts.
+/// Start of the iteration.
 enum class NewtonStart {
     rest,   ///< velocities of the step's start
     euler,  ///< explicit Euler: the friction of a contact that should stick may overshoot

@@ -241,7 +241,7 @@ CyclicBorder::Block CyclicBorder::block(int number) noexcept {
 
 bool CyclicBorder::eliminate(int chunk) noexcept { return inner(chunk).eliminate(); }
 
-/// Where row and column of the reduced system meet; number chunks() is the border.
+/// Block at a row and a column of the reduced system; number chunks() is the border.
 CyclicBorder::Place CyclicBorder::place(int row, int column) noexcept {
     const int last = chunks() - 1;
     const int edge = size_ + border_;

@@ -130,7 +130,7 @@ public:
     /// to.
     /// @param border at most `border` numbers
     void clear(int chunk, std::span<const int> border) noexcept;
-    /// Where the entries of a block go, between clear() and eliminate() of its chunk. With a single block L, D and U add up.
+    /// Destination of a block's entries, between clear() and eliminate() of its chunk. With a single block L, D and U add up.
     [[nodiscard]] Block block(int number) noexcept;
     /// B [border × border], row-major; to be filled anew before every join().
     [[nodiscard]] double* corner() noexcept { return corner_.data(); }

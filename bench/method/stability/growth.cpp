@@ -99,7 +99,7 @@ namespace {
 
 constexpr int first_judgement = 20;  // dimensions; then whenever they have doubled: eigenvalues of the Hessenberg matrix are dear
 
-/// Those that count, the largest first.
+/// Eigenvalues that count, the largest first.
 [[nodiscard]] std::vector<std::complex<double>> candidates(const KrylovSpace& space, double from_one) {
     std::vector<std::complex<double>> values = space.values();
     std::erase_if(values, [&](const std::complex<double>& value) { return std::abs(value - 1.0) < from_one; });

@@ -1,5 +1,5 @@
 #pragma once
-/// How fast the fastest of all disturbances grows in one application of a linear map, by Arnoldi's method.
+/// Growth of the fastest of all disturbances in one application of a linear map, by Arnoldi's method.
 
 #include <algorithm>
 #include <complex>
@@ -12,7 +12,7 @@ namespace cvtflow::bench {
 
 // Arnoldi's method: eigenvalues of a linear map that can only be applied, outermost ones first to be right.
 
-/// to = map(from), both [size]; false: it cannot be applied.
+/// Computes to = map(from), both [size]; false: it cannot be applied.
 using LinearMap = std::function<bool(const double* from, double* to)>;
 
 /// An approximate eigenvector of unit length.

@@ -21,7 +21,7 @@ struct BeltParts {
     bool crowned_flank = true;     ///< the flank's angle depends on the radius
     bool saturation_speed = true;  ///< friction grows over tip.friction.saturation_speed; without: a thousandth of that speed
     double vibration = 0.0;        ///< standard deviation of the pins' velocity across, which friction averages over [m/s]
-    int nodes = 400;               ///< per arc; at most 96 under a law of friction over the speed
+    int nodes = 400;               ///< number per arc; at most 96 under a law of friction over the speed
 };
 
 /// A pulley that runs at constant radius, or whose radius grows.
@@ -74,7 +74,8 @@ private:
         double first, difference;
         bool entry_given;
     };
-    /// Per angle: friction along the circumference [N/rad], axial force on one sheave [N/rad], friction over sliding speed [N·s/(m·rad)].
+    /// Forces per angle: friction along the circumference [N/rad], axial force on one sheave [N/rad], friction over sliding speed
+    /// [N·s/(m·rad)].
     struct Contact {
         double along, axial, per_speed;
     };

@@ -107,7 +107,7 @@ LotteryMachine machine_of_ready_scene(Urn& urn, Scene& scene) {
     return machine;
 }
 
-/// Another chain: a state that was settled before does not fit it.
+/// Draws another chain: a state that was settled before does not fit it.
 void draw_chain(Urn& urn, const Scene& scene, std::vector<std::string>& settings) {
     const model::Parameters& p = scene.parameters;
     const double pitch = p.chain.pitch.front();
@@ -122,7 +122,7 @@ void draw_chain(Urn& urn, const Scene& scene, std::vector<std::string>& settings
     if (urn.draw() < 0.15) settings.push_back(fmt::format("plate.count={}", std::floor(plates)));
 }
 
-/// No load, a load that drives, or one that jumps within a microsecond in the middle of the run.
+/// Draws no load, a load that drives, or one that jumps within a microsecond in the middle of the run.
 void draw_load(Urn& urn, const Scene& scene, double duration, std::vector<std::string>& settings) {
     const double load = scene.parameters.load.torque.at(0.0), kind = urn.draw(), when = urn.draw(0.2, 0.8) * duration;
     const double other = urn.draw(-1.0, 1.0) * load;

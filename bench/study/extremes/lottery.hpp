@@ -9,7 +9,7 @@
 
 namespace cvtflow::bench {
 
-/// How a machine of the lottery is run.
+/// Settings with which a machine of the lottery is run.
 struct LotteryRules {
     std::string detail;            ///< level of detail of all machines; empty: as drawn
     double settling_time = 20e-3;  ///< [s]

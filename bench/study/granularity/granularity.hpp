@@ -1,5 +1,5 @@
 #pragma once
-/// How short tasks may be: efficiency of executors against the length of a task, as Task Bench does it (Slaughter et al., SC20), on our
+/// Minimum length of tasks: efficiency of executors against the length of a task, as Task Bench does it (Slaughter et al., SC20), on our
 /// graph.
 ///
 /// A cycle is a stencil like that of a chain's segments: levels of equally many tasks, each of which waits for itself and its two

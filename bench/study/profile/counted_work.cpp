@@ -30,7 +30,7 @@ struct CountedStep {
     double step = 0.0;  ///< [s]
 };
 
-/// How often each cycle runs in a step. Transitions, which come every so often, are left out.
+/// Number of runs of each cycle in a step. Transitions, which come every so often, are left out.
 std::vector<double> runs_per_step(const engine::TaskGraph& graph, const std::vector<Span>& spans) {
     std::vector<double> runs(static_cast<std::size_t>(graph.cycles()), 0.0);
     for (const Span& span : spans) {

@@ -225,7 +225,7 @@ double rms_error(const PathCosts& costs, const std::vector<SegmentCost>& samples
     return samples.empty() || sum == 0.0 ? 0.0 : std::sqrt(squares * static_cast<double>(samples.size())) / sum;
 }
 
-/// How often the evaluation cycle ran in a recording of one segment.
+/// Number of runs of the evaluation cycle in a recording of one segment.
 double evaluation_cycles(const Recording& recording) {
     double tasks = 0.0, runs = 0.0;
     for (const int cycle : recording.cycles) tasks += cycle == evaluate_cycle ? 1.0 : 0.0;

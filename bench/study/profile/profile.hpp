@@ -7,7 +7,7 @@
 
 namespace cvtflow::bench {
 
-/// Which schedules are compared.
+/// Schedules that are compared.
 struct ScheduleChoice {
     std::vector<std::string>
         names{};                  ///< "executor" (the scene's assembly) or "executor:fused", "executor:staged"; none: all executors x both

@@ -44,7 +44,7 @@ struct LocalError {
     double tension = 0.0;      ///< tensions of all links
 };
 
-/// How far `state` is from `reference`, both reached from `start` after time h. h [s]
+/// Distance of `state` from `reference`, both reached from `start` after time h. h [s]
 [[nodiscard]] LocalError error_of(const model::Variator& variator, const tasks::FrozenStart& start, double h,
                                   const std::vector<double>& state, const std::vector<double>& reference);
 

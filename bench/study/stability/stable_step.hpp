@@ -1,5 +1,5 @@
 #pragma once
-/// How long a step may be: for a method and a spectrum; by steps of a table about a held state, which confirms the spectrum without it; and
+/// Largest stable step: for a method and a spectrum; by steps of a table about a held state, which confirms the spectrum without it; and
 /// by the step that the simulation takes, of any method, with its effect on small disturbances of a state.
 
 #include <complex>

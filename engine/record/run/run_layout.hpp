@@ -15,7 +15,7 @@ inline constexpr std::int64_t run_format_version = 1;
 /// Datasets that grow together, the time (if any) last, as RowBlock requires.
 struct BlockShape {
     std::vector<SeriesShape> series;
-    std::size_t rows = 1;  ///< per chunk
+    std::size_t rows = 1;  ///< number per chunk
 };
 
 struct RunLayout {

@@ -91,7 +91,7 @@ private:
     Workspace& w_;
     LeapfrogFrame frame_;
     KickSystem kick_;
-    std::size_t now_ = 0;  ///< which of the bases is the present step's
+    std::size_t now_ = 0;  ///< number of the present step's base
     FrictionSpectrum spectrum_;
     const KickTables tables_;
     const KickTable* table_ = nullptr;  ///< table of the present step

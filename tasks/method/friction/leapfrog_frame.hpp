@@ -49,7 +49,7 @@ private:
     void extrapolate();
 
     Workspace& w_;
-    bool continues_ = false;           ///< there is a step before the present one
+    bool continues_ = false;           ///< whether a step precedes the present one
     double begun_ = -1e300;            ///< begin of the present step [s]
     double length_ = 0.0;              ///< length of the present step [s]
     double length_before_ = 0.0;       ///< length of the previous step; 0: none [s]

@@ -77,7 +77,7 @@ private:
     void find_losses() const noexcept;
 
     KickSystem kick_;
-    std::size_t now_ = 0;  ///< which of the kept fields is the present step's
+    std::size_t now_ = 0;  ///< number of the present step's kept field
     model::SweepResponses responses_;
     // Computed on demand: for an observation, a checkpoint, or borders that move.
     mutable Losses losses_ = Losses::none;

@@ -82,7 +82,7 @@ void Interleavings::entry(unsigned worker) {
     machine.pass_on();
 }
 
-/// To the next interleaving. Returns false if there is none.
+/// Proceeds to the next interleaving. Returns false if there is none.
 bool Interleavings::backtrack() {
     while (!choices_.empty()) {
         Choice& last = choices_.back();

@@ -244,7 +244,7 @@ std::pair<std::size_t, std::size_t> messages_at(const Bytes& bytes, std::size_t 
                                                                   : std::pair{begin, begin + static_cast<std::size_t>(size)};
 }
 
-/// Another byte in an object's header, and the header's checksum made right.
+/// Changes a byte in an object's header, and corrects the header's checksum.
 void forge(Bytes& bytes, Dice& dice) {
     constexpr std::byte mark[] = {std::byte{'O'}, std::byte{'H'}, std::byte{'D'}, std::byte{'R'}};
     std::vector<std::size_t> headers;

@@ -23,7 +23,7 @@ struct Figures {
     int order;
     int embedded;      ///< 0: no error estimate
     double real;       ///< reach along the negative real axis
-    double imaginary;  ///< along the imaginary axis; negative: none to speak of
+    double imaginary;  ///< reach along the imaginary axis; negative: negligible
     bool reuses;       ///< the last stage is the result
     /// Tolerance of order conditions. The tables of long DUMKA3 polynomials are less exact, SERK2 sums weights of up to 300, and fitted
     /// methods meet the one condition of order 3 that is no condition on R only nearly.

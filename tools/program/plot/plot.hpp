@@ -51,7 +51,7 @@ struct Plot {
     std::string subtitle;  ///< conditions, in smaller letters; may be empty
     Axis x, y;
     std::vector<Series> series{};
-    std::vector<Region> regions{};  ///< below the series, in this order
+    std::vector<Region> regions{};  ///< drawn below the series, in this order
     double height = 540.0;          ///< height without a legend below the picture, which is 860 wide [px]
 };
 

@@ -99,7 +99,7 @@ std::vector<std::string> cells_of(std::string name, std::string level, const Fig
     return cells;
 }
 
-/// How two tonalities rank sequences: the closed form's and that at `rigid`, or that at `rigid` and that of the check.
+/// Agreement of two tonalities on the order of sequences: the closed form's and that at `rigid`, or that at `rigid` and that of the check.
 double agreement(const NoiseResult& result, bool random, bool check) {
     std::vector<double> before, after;
     for (const NoiseRow& row : result.rows) {
