@@ -15,7 +15,7 @@ WANTED, SPAN = 1.005, 2e-3  # [1], [s]
 
 
 def settled(scene: cvtflow.Scene) -> cvtflow.Simulation:
-    """A settled state, from which every trial begins; gains belong to the scene, so each has its own."""
+    """A settled state, from which every trial begins; gains belong to the scene, so each has others."""
     simulation = cvtflow.Simulation(scene)
     simulation.advance_to(0.0)
     simulation.set_input("ratio", WANTED)

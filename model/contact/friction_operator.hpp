@@ -32,7 +32,7 @@ class FrictionOperator;
 
 struct FrictionStage;   // model/contact/friction_stage.hpp
 struct FrictionSweep;   // model/contact/sweep_step.hpp
-struct FrictionPowers;  // likewise
+struct FrictionPowers;  // model/contact/sweep_step.hpp
 
 /// Advances links: to = from + by · along, of the state of `links` links.
 using LinkAdvance = void(const double* from, const double* along, double by, double* to, int links) noexcept;

@@ -9,7 +9,7 @@
 
 namespace cvtflow::model {
 
-struct RigidKernels;  // of rigid pins
+struct RigidKernels;  // kernels of rigid pins
 
 /// Each is specialised in the source of its name, which is compiled once per instruction set.
 template <Isa isa>

@@ -52,7 +52,7 @@ def argument(kind, null, state):
 
 
 def outcome(action):
-    """What `action` returns, from a process of its own; a crash is its signal's number below 0."""
+    """Result of `action` in a separate process; a crash is its signal's number below 0."""
     child = os.fork()
     if child == 0:
         status = 100

@@ -295,7 +295,7 @@ class Vehicle(unittest.TestCase):
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join([FMPY, os.environ.get("PYTHONPATH", "")])}
         done = subprocess.run([sys.executable, self.EXAMPLE, *words], capture_output=True, text=True, env=environment)
         self.assertEqual(done.returncode, 0, done.stderr)
-        complaint = "Failed to add logger proxy function"  # FMPy's own, where its compiled part is missing
+        complaint = "Failed to add logger proxy function"  # by FMPy, where its compiled part is missing
         return "".join(line for line in done.stdout.splitlines(keepends=True) if not line.startswith(complaint))
 
     def test_as_fmu_it_is_what_it_is_in_this_process(self):

@@ -28,7 +28,7 @@ class Windows(unittest.TestCase):
     def setUpClass(cls):
         cls.scratch = tempfile.TemporaryDirectory(prefix="fmu windows ")
         cls.folder = pathlib.Path(cls.scratch.name)
-        # Wine keeps a folder of its own, and Windows' libraries need no more of it than that.
+        # Wine keeps a folder, and Windows' libraries need no more of it than that.
         cls.environment = {**os.environ, "WINEPREFIX": str(cls.folder / "wine"), "LC_ALL": "C.UTF-8", "WINEDEBUG": "-all",
                            "WINEDLLOVERRIDES": "mscoree,mshtml="}
         subprocess.run([CC, "-O1", str(SOURCE), "-o", str(cls.folder / "steps"), "-ldl"], check=True)

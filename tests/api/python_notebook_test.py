@@ -39,7 +39,7 @@ class Notebook(unittest.TestCase):
         self.assertEqual(len(pyplot.get_fignums()), 4)
         for number in pyplot.get_fignums():
             self.assertTrue(all(axes.lines for axes in pyplot.figure(number).axes))
-        # The scene's own figures: tension difference times running radius is the load of 150 N m (54.4 mm), efficiency 90 to 99 %.
+        # Figures of the scene: tension difference times running radius is the load of 150 N m (54.4 mm), efficiency 90 to 99 %.
         mean = names["steady"].frame().mean()
         self.assertAlmostEqual((mean["tight_tension"] - mean["slack_tension"]) * 0.0544, 150.0, delta=0.02 * 150.0)
         self.assertTrue(0.90 < mean["efficiency"] < 0.99)

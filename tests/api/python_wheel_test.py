@@ -30,7 +30,7 @@ class Wheel(unittest.TestCase):
         self.assertIn("requires = []", Path(SOURCE, "pyproject.toml").read_text())
 
     def test_the_extension_loads_where_there_is_no_numpy(self):
-        """pip builds in an environment of its own, in which the stub is asked of the module."""
+        """pip builds in a separate environment, in which the stub is asked of the module."""
         package = Path(self.folder, "cvtflow")
         package.mkdir()
         module = Path(cvtflow._cvtflow.__file__)

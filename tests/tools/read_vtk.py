@@ -1,4 +1,4 @@
-"""Reads an exported record with VTK's own reader and prints what is in it. Exit status 77: VTK is not installed."""
+"""Reads an exported record with VTK's reader and prints what is in it. Exit status 77: VTK is not installed."""
 
 import math
 import pathlib

@@ -1,4 +1,4 @@
-# Sources are compiled in groups: a clean build takes less than half the time. -DCMAKE_UNITY_BUILD=OFF, CMake's own variable, compiles every source
+# Sources are compiled in groups: a clean build takes less than half the time. -DCMAKE_UNITY_BUILD=OFF, a variable of CMake, compiles every source
 # alone, where it has to name what it needs (tools/check/alone).
 set(cvtflow_groups ON)
 if(DEFINED CMAKE_UNITY_BUILD AND NOT CMAKE_UNITY_BUILD)
@@ -11,8 +11,8 @@ if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
 endif()
 
 # Compiles a target's sources in groups of neighbours, which therefore share one space of local names: half of the time of a group of five
-# goes into reading headers and making what templates need. With "eigen", those that include Eigen form groups of their own: reading it and
-# compiling its decompositions takes longer than they do. Sources with definitions of their own stay by themselves.
+# goes into reading headers and making what templates need. With "eigen", those that include Eigen form separate groups: reading it and
+# compiling its decompositions takes longer than they do. Sources with further definitions stay by themselves.
 function(cvtflow_in_groups target)
   if(NOT cvtflow_groups)
     return()

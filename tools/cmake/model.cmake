@@ -23,6 +23,6 @@ target_link_libraries(cvtflow_model PUBLIC cvtflow_flags)
 target_compile_options(cvtflow_model PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 cvtflow_in_groups(cvtflow_model)
 target_sources(cvtflow_model PRIVATE ${PROJECT_BINARY_DIR}/compiled_kernels.cpp)
-foreach(part ${kernel_parts})   # whoever wants the model's objects names these as well: a static library's are those of its own sources
+foreach(part ${kernel_parts})   # users of the model's objects name these as well: a static library has those of its sources only
   target_sources(cvtflow_model PRIVATE $<TARGET_OBJECTS:${part}>)
 endforeach()

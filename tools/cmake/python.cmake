@@ -16,7 +16,7 @@ print(sysconfig.get_path('include'), sysconfig.get_config_var('EXT_SUFFIX'),
     list(GET answers 2 CVTFLOW_PYTHON_DIR)
   endif()
 endif()
-set(python_prefix ${PROJECT_BINARY_DIR}/prefix/cvtflow)   # the build folder's own
+set(python_prefix ${PROJECT_BINARY_DIR}/prefix/cvtflow)   # in the build folder
 set(python_package ${python_prefix}/${CVTFLOW_PYTHON_DIR}/cvtflow)
 file(GLOB_RECURSE python_files RELATIVE ${PROJECT_SOURCE_DIR}/api/python/cvtflow CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/api/python/cvtflow/*)
 list(FILTER python_files EXCLUDE REGEX "__pycache__")

@@ -2,4 +2,4 @@
 # the loader takes for the current folder: a library placed there would run. So targets have the search path of their installation from the
 # beginning: none where all libraries are in the system's folders.
 set(CMAKE_BUILD_WITH_INSTALL_RPATH ON)
-set(CMAKE_INSTALL_RPATH_USE_LINK_PATH ON)   # libraries elsewhere, as a HDF5 of one's own
+set(CMAKE_INSTALL_RPATH_USE_LINK_PATH ON)   # libraries elsewhere, as a user's HDF5

@@ -1,4 +1,4 @@
-// The simulation of the live page, in a thread of its own. Messages: open, set, run, until, scene, next;
+// The simulation of the live page, in a separate thread. Messages: open, set, run, until, scene, next;
 // answers: opened, frame, fault, scene. A frame is sent once the page has drawn the one before (next): it never has more than one to draw.
 'use strict';
 
