@@ -1,6 +1,6 @@
 /// Cost of one right-hand side on one thread, whole and by part, at the settled baseline. Rows are WHO/WHAT:
 ///
-///     plain      the oracle of the tests in double: the equations written down plainly, tables computed anew
+///     plain      the oracle of the tests in double: the equations written down plainly, tables computed each time
 ///     one_lane   the source of the kernels as scalar code, nothing vectorised: what lanes alone bring
 ///     baseline, avx2, avx512   the kernels, per instruction set that this processor runs
 ///

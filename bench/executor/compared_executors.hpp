@@ -112,7 +112,7 @@ private:
 
 /// One parallel region for the whole run. Its master creates the tasks of a cycle, each with a dependence on those before it, takes part in
 /// them, and asks the controller when all have finished. The threads belong to the OpenMP runtime and outlive the run.
-/// The runtime allocates memory for every task of every cycle: OpenMP builds its task graph anew each time.
+/// The runtime allocates memory for every task of every cycle: OpenMP builds its task graph again each time.
 class OmpTasks final : public OmpExecutor {
 public:
     explicit OmpTasks(const engine::ExecutorOptions& options) : OmpExecutor(options) {}

@@ -148,7 +148,7 @@ MethodReach derived_reach(const MethodProgram& program) {
     const ProgramStability stability = stability_of();
     if (stability.equation == TestEquation::oscillator) {
         const double oscillation = limit_with_any_friction(stability).oscillation;
-        // Where friction is needed for stability, least friction allows nothing; it is there then.
+        // Where stability needs friction, the lower bound of friction allows no step, but friction acts then.
         return {oscillation, stability.longest_decay, MethodReach::unlimited, std::max(oscillation, reach(stability, 0.0, 0.0, 1.0, 0.0)),
                 stability.longest_damping};
     }

@@ -4,7 +4,7 @@
 ///
 /// Degrees 3, 6, 9, 15, 21, 27, 36, 48, 63, 81, 135, 189, 243, 324. The published P13 has two roots twice, misses two others
 /// and is neither stable nor of order 3. Here the missing roots 3.928550119760627e-05 and 1.9737941311788493e-05 are put back in
-/// place of the repeated ones, and the finish is solved anew from the order conditions.
+/// place of the repeated ones, and the finish is solved from the order conditions again.
 
 #include "engine/method/stage_plan.hpp"
 

@@ -128,7 +128,7 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Keeps others from writing into a folder; gone with the process, however it ends. Creates the folder if its parent is there.
+/// Keeps others from writing into a folder; released when the process ends, in whatever way. Creates the folder if its parent exists.
 class FolderLock {
 public:
     /// Errors (RecordError): no such parent, not writable, "DIR: another sweep is writing into it".

@@ -1,5 +1,5 @@
 #pragma once
-/// Threads kept on processors, and let go again. Linux; elsewhere nothing happens.
+/// Pins threads to processors, and releases them. Linux only; no effect elsewhere.
 
 #include <sched.h>
 

@@ -116,7 +116,7 @@ private:
     // Where the record decides which tips touch.
 
     /// Above 0 where a link is so near its sheaves that its tips may touch; only there they do. A tip is as deep as a pin that is straight
-    /// between flanks that are not tilted, give or take what pins and sheaves yield.
+    /// between flanks that are not tilted, up to the compliance of pins and sheaves.
     void find_near(const Columns& columns) noexcept {
         constexpr double yielding = 5e-4;  // m
         const V* q = columns.q();

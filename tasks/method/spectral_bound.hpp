@@ -51,7 +51,7 @@ public:
     /// while (2/h)² M + 4 K_held - K is positive definite [rad/s].
     [[nodiscard]] double imaginary() const noexcept;
 
-    /// The next estimate begins anew.
+    /// Makes the next estimate begin from the start.
     void forget() noexcept {
         cold_ = true;
         velocity_complete_ = false;

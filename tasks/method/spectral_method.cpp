@@ -19,7 +19,7 @@ void SpectralChoice::check_spectrum() {
     checked_ = w_.step.time;
 }
 
-/// Estimates the spectrum anew after a rejected step.
+/// Estimates the spectrum again after a rejected step.
 const engine::CompiledPlan& SpectralChoice::choose(bool again) {
     if (again) checked_ = -1e300;
     check_spectrum();

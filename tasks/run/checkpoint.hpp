@@ -3,7 +3,7 @@
 /// run.
 ///
 /// The file is a state file (engine/record/run/state_file.hpp): `cvtflow info` reads it, and start.state takes it. It is replaced at once:
-/// until the new one is on disk, the former one is there.
+/// the former one exists until the new one is on disk.
 
 #include <string>
 #include <type_traits>

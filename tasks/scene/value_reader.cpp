@@ -174,7 +174,7 @@ private:
         return points.first.size() == list->size() ? std::optional<Points>(std::move(points)) : std::nullopt;
     }
 
-    /// Appends [place, value] to `points` if it is good and beyond what is there.
+    /// Appends [place, value] to `points` if it is valid and beyond the last one.
     void read_point(const Node& point, const Rule& place, Points& points) {
         const bool timed = place.unit == "s";
         const auto* pair = std::get_if<Node::Array>(&point.value);

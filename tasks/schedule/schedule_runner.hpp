@@ -26,7 +26,7 @@ public:
     /// Releases threads that would wait on a processor for the next run. Call it between runs.
     void release_threads() const noexcept;
 
-    /// Graphs are built anew, with the tasks of another method.
+    /// Builds the graphs again, with the tasks of another method.
     void take_method(StepMethod& method) noexcept;
 
     [[nodiscard]] const Schedule& schedule() const noexcept { return slots_[current()].schedule; }

@@ -13,7 +13,7 @@ namespace cvtflow::claims {
 /// One ready scene, changed by settings "key=value".
 [[nodiscard]] tasks::Scene ready_scene(const std::string& name, const std::vector<std::string>& settings = {});
 
-/// One ready scene at a level of detail with the default method and automatic steps, settled anew, changed by settings.
+/// One ready scene at a level of detail with the default method and automatic steps, settled again, changed by settings.
 [[nodiscard]] tasks::Scene scene_at_level(const std::string& name, const std::string& level, std::vector<std::string> settings = {});
 
 /// Observations at the output times with t ≥ 0.

@@ -185,7 +185,7 @@ void expect_right(const std::string& scene, const std::vector<std::string>& more
 
 TEST(DefaultErrors, AreWithinWhatIsPromisedOnTheBaseline) { expect_right("baseline"); }
 
-/// Settled anew: the first 100 ms of a drive and of the urban cycle.
+/// Settled again: the first 100 ms of a drive and of the urban cycle.
 TEST(DefaultErrors, AreSmallWithTheRigidPinsOfReadyScenes) {
     for (const char* scene : {"drive", "urban_cycle", "imperfect"}) expect_right(scene, {"run.until=100 ms"}, rigid);
 }

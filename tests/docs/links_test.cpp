@@ -1,4 +1,4 @@
-/// Links between pages lead to files and headings that are there; decisions and their numbers agree.
+/// Links between pages lead to files and headings that exist; decisions and their numbers agree.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

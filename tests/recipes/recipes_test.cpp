@@ -226,7 +226,7 @@ TEST(KeyRecipe, ItsRowKnowsItsSectionAndKind) {
     EXPECT_EQ(toy_length.kind(), tasks::Kind::number);
 }
 
-// The files that recipes name are there, and each recipe has its worked example.
+// The files that recipes name exist, and each recipe has its worked example.
 
 TEST(Recipes, NameFilesThatAreThere) {
     static const std::regex step("[0-9]+\\. `([^`]+)`.*"), example("Worked example: \\[`[^`]+`\\]\\(([^)]+)\\).*"), heading("### Add (.*)");

@@ -180,7 +180,7 @@ TEST_F(BatchOrigin, OfACheckpointIsCompared) {
 }
 
 // A sweep is stopped by a hangup (by SIGTERM: ContinuedBatch) and continues with the same results. Files of it are damaged before: cases
-// whose checkpoints cannot be used begin anew.
+// whose checkpoints cannot be used begin again.
 
 class StoppedSweep : public Sweeps {
 protected:

@@ -34,7 +34,7 @@ const Words briefly{
 
 Words with_brief(Words words) { return std::move(words) + briefly; }
 
-/// Commands of the laboratory, from the settled state that is there.
+/// Commands of the laboratory, from the existing settled state.
 [[maybe_unused]] Words measured(Words words) { return std::move(words) + Words{"--set", "start.state=given.h5"}; }
 
 /// Commands without an order, and why.

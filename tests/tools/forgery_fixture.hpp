@@ -23,7 +23,7 @@ enum class Forged { record, state, table };
 /// right hash, rows of tables their check. @return description of the change
 std::string forge(const std::string& path, Forged kind, std::uint64_t seed);
 
-/// Opens a record, changes it through HDF5 and seals it anew.
+/// Opens a record, changes it through HDF5 and seals it again.
 void change_record(const std::string& path, const std::function<void(hid_t file)>& change);
 /// Sets all reals of a dataset to NaN.
 void fill_with_nan(hid_t file, const std::string& dataset);
@@ -40,7 +40,7 @@ struct ObjectForgery {
     std::string attribute;  ///< empty: the object itself
     std::string change;     ///< a name in the list of changes
 
-    /// Makes it, and seals the file anew so that only its contents are false.
+    /// Makes it, and seals the file again so that only its contents are false.
     void make(const std::string& path) const;
     [[nodiscard]] std::string text() const;
 };

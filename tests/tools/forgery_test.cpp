@@ -171,7 +171,7 @@ protected:
     ForgedRecord() {
         made_once("a good record", [this] { EXPECT_EQ(run_briefly({"-o", "good.h5", "--set", "run.state_interval=10us"}).status, 0); });
     }
-    /// A copy of the record, changed and sealed anew.
+    /// A copy of the record, changed and sealed again.
     template <class Change>
     void forged(const Change& change) const {
         std::filesystem::copy_file(folder_ / "good.h5", folder_ / "bad.h5", std::filesystem::copy_options::overwrite_existing);

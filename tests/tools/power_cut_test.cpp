@@ -244,7 +244,7 @@ protected:
     }
 
     /// Resumes after `cuts` cuts, one in each of as many equal parts of the changes, every other one of each kind.
-    /// @param resume  status 0 if the result is there and the same; else the message of the refusal
+    /// @param resume  status 0 if the result exists and is the same; else the message of the refusal
     template <class Resume>
     void cut_and_resume(const std::vector<Change>& changes, int cuts, const Resume& resume) {
         std::mt19937 chance(17);

@@ -11,7 +11,7 @@ inline namespace v0 {
 ///   current_arena(slots)    On the oneTBB arena in which advance_to() is called (the host writes
 ///                           arena.execute([&] { simulation.advance_to(t); })), on `slots` of its threads, the caller included. The caller
 ///                           runs no task of the host meanwhile (isolated). Threads of this arena that wait for other work may take part
-///                           and stay until advance_to() is over: give an arena that is there for it, or use private_arena().
+///                           and stay until advance_to() is over: use a separate arena, or private_arena().
 ///   private_arena(threads)  On an arena of the simulation with `threads` threads, the caller included; 0: as many as the process may use.
 ///                           The host's tasks never run inside, ours never outside.
 class Threads {

@@ -132,7 +132,7 @@ public:
     void clear(int chunk, std::span<const int> border) noexcept;
     /// Destination of a block's entries, between clear() and eliminate() of its chunk. With a single block L, D and U add up.
     [[nodiscard]] Block block(int number) noexcept;
-    /// B [border × border], row-major; to be filled anew before every join().
+    /// B [border × border], row-major; the caller fills it before every join().
     [[nodiscard]] double* corner() noexcept { return corner_.data(); }
 
     /// Eliminates the inner blocks of a chunk. @return false if a pivot vanished

@@ -97,7 +97,7 @@ RitzVector KrylovSpace::vector_of(std::complex<double> value) const {
 
 namespace {
 
-constexpr int first_judgement = 20;  // dimensions; then whenever they have doubled: eigenvalues of the Hessenberg matrix are dear
+constexpr int first_judgement = 20;  // dimensions; then whenever they have doubled: eigenvalues of the Hessenberg matrix are expensive
 
 /// Eigenvalues that count, the largest first.
 [[nodiscard]] std::vector<std::complex<double>> candidates(const KrylovSpace& space, double from_one) {

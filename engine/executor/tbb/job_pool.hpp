@@ -59,7 +59,7 @@ private:
 /// Values that are computed once each, by the first thread that needs them; other threads wait.
 class OnceEach {
 public:
-    /// @return true: the caller has to make it and call made(). false: it is there, or was given up
+    /// @return true: the caller has to make it and call made(). false: it exists already, or was given up
     [[nodiscard]] bool claim(std::uint64_t key);
     void made(std::uint64_t key) noexcept;
 

@@ -20,7 +20,7 @@
 
 namespace cvtflow::engine::test {
 
-/// A program of a few workers that share atomics of the ModelMachine and cells. Made anew for every interleaving.
+/// A program of a few workers that share atomics of the ModelMachine and cells. Created for every interleaving.
 class Scenario {
 public:
     virtual ~Scenario() = default;

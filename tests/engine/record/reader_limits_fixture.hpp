@@ -14,7 +14,7 @@ struct TimeLimits {
 };
 inline constexpr TimeLimits reader_limits{5, 60};
 
-/// Ends this process by SIGPROF or SIGALRM once a limit has passed; counted anew from every call.
+/// Ends this process by SIGPROF or SIGALRM once a limit has passed; counted from every call.
 inline void end_after(const TimeLimits& limits) noexcept {
     const itimerval processor{{0, 0}, {limits.processor, 0}}, clock{{0, 0}, {limits.clock, 0}};
     setitimer(ITIMER_PROF, &processor, nullptr);

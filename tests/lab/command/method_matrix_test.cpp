@@ -41,7 +41,7 @@ struct Row {
 
 const Words state{"--set", "start.state=state.h5"};
 const Words outputs{"--set", "run.output_interval=1us", "--set", "run.state_interval=1us"};
-constexpr int incomplete = 5;  // exit status: the table is there, and each variant without figures has its line
+constexpr int incomplete = 5;  // exit status: the table exists, and each variant without figures has its line
 constexpr int unreliable = 6;
 constexpr unsigned limit = 600;  // [s] of a cell; measuring the largest step of trapezoidal methods takes minutes
 

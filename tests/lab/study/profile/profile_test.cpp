@@ -125,7 +125,7 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
     }
     EXPECT_EQ(profile.results[0].loads[0].speed_up, 1.0);
     for (const ScheduleResult& result : profile.results)
-        EXPECT_GT(result.predicted, 0.0) << result.name;    // staged ones too: serial:staged is there
+        EXPECT_GT(result.predicted, 0.0) << result.name;    // staged ones too: serial:staged is among them
     EXPECT_NEAR(profile.results[0].predicted, 1.0, 1e-12);  // serial by definition
     EXPECT_GT(profile.results[2].loads[0].cpu,
               0.0);                      // with a neighbour it is a difference, which half a millisecond of stepping does not resolve

@@ -133,7 +133,7 @@ std::string bytes_of(const fs::path& path) {
     return bytes;
 }
 
-/// A part of FMUs, if it is there: beside the program as it was built, or in lib/cvtflow or lib/ARCHITECTURE/cvtflow of its
+/// A part of FMUs, if it exists: beside the program as it was built, or in lib/cvtflow or lib/ARCHITECTURE/cvtflow of its
 /// installation; else empty.
 fs::path fmu_part(const char* name) {
     std::error_code unknown;

@@ -71,7 +71,7 @@ engine::Permit require_places(const RunArguments& arguments, const tasks::Scene&
     return permit;
 }
 
-/// Identity of the run whose record is there and will be replaced; empty: none.
+/// Identity of the run whose record exists and will be replaced; empty: none.
 std::string run_replaced(const engine::Permit& record) {
     if (record.notice().empty()) return {};
     try {
