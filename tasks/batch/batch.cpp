@@ -138,19 +138,19 @@ public:
     Session(const Sweep& sweep, const BatchOptions& options)
         : sweep_(sweep),
           options_(options),
-          folder_(options.worker > 0 ? worker_folder(options.folder, options.worker) : shard_folder(options.folder, options.shard)),
+          folder_(shard_folder(options.folder, options.shard)),
           file_((fs::path(folder_) / "cases.h5").string()),
-          lock_(options.worker > 0 ? nullptr : std::make_unique<engine::FolderLock>(folder_)),
+          lock_(locked(options)),
           cancel_(options.cancel != nullptr ? *options.cancel : never),
           threads_(options.threads > 0 ? options.threads : usable_threads()),
           starts_(sweep, fs::path(options.folder) / "states", options.mixed),
           control_(threads_, options.grace, cancel_, options.notice),
-          cases_(options.worker > 0 ? std::vector<long>{} : shard_cases(sweep, options.shard)),
+          cases_(options.shard.claims() ? std::vector<long>{} : shard_cases(sweep, options.shard)),
           failing_alike_(!options.keep_going && !options.part.only) {}
 
     BatchReport run() {
         engine::CaseTable table = read_or_begin();
-        if (options_.worker > 0) take_claimed();
+        if (options_.shard.claims()) take_claimed();
         progress_.cases = static_cast<long>(cases_.size());
         progress_.before = static_cast<long>(table.size());
         {
@@ -163,13 +163,21 @@ public:
     }
 
 private:
+    /// The folder of a process that does not hold it already.
+    static std::unique_ptr<engine::FolderLock> locked(const BatchOptions& options) {
+        if (options.shard.claims()) return nullptr;
+        if (!options.shard.whole()) make_workers_folder(options.folder);
+        return std::make_unique<engine::FolderLock>(shard_folder(options.folder, options.shard));
+    }
+
     engine::CaseTable read_or_begin() {
+        std::error_code missing;
+        if (!options_.shard.whole() && !options_.shard.claims() && fs::exists(claims_file(options_.folder), missing))
+            throw SimulationError(options_.folder + ": this sweep was begun with --worker; continue it so");
         engine::CaseTable begin = empty_table(sweep_);
-        begin.set({"shard", options_.worker > 0 ? fmt::format("worker {}", options_.worker)
-                                                : fmt::format("{}/{}", options_.shard.number, options_.shard.of)});
+        begin.set({"shard", options_.shard.text()});
         set_mark(begin);
         done_.assign(static_cast<std::size_t>(sweep_.cases()), 0);
-        std::error_code missing;
         if (!fs::exists(file_, missing)) return begin;
         engine::CaseTable table = read_or_recover(begin);
         require_same_sweep(file_, table, begin);
@@ -189,7 +197,8 @@ private:
     void take_claimed() {
         std::vector<char> taken = done_;
         for (const engine::Claim& claim : engine::read_claims(claims_file(options_.folder))) {
-            for (long number = claim.first; claim.worker == options_.worker && number < std::min(claim.end(), sweep_.cases()); ++number)
+            for (long number = claim.first; claim.worker == options_.shard.number && number < std::min(claim.end(), sweep_.cases());
+                 ++number)
                 taken[static_cast<std::size_t>(number)] = 1;
         }
         const auto strand = sweep_.strand();
@@ -201,8 +210,9 @@ private:
 
     /// Claims more cases for a worker. @return whether there are any
     bool claim() {
-        if (options_.worker == 0 || options_.part.only) return false;
-        const engine::Claim claimed = engine::claim_cases(claims_file(options_.folder), options_.worker, sweep_.cases(), sweep_.strand());
+        if (!options_.shard.claims() || options_.part.only) return false;
+        const engine::Claim claimed =
+            engine::claim_cases(claims_file(options_.folder), options_.shard.number, sweep_.cases(), sweep_.strand());
         for (long number = claimed.first; number < claimed.end(); ++number) cases_.push_back(number);
         return claimed.cases > 0;
     }
@@ -326,14 +336,14 @@ private:
         BatchReport result{folder_,
                            progress_,
                            rows.tally(),
-                           rows.size() == cases_.size() && !(options_.worker > 0 && failing_alike_.hopeless()),
+                           rows.size() == cases_.size() && !(options_.shard.claims() && failing_alike_.hopeless()),
                            rows.hash(),
                            threads_,
                            {},
                            head.attribute("continuation_error"),
                            head.attribute("steady_check")};
         if (!result.finished && failing_alike_.hopeless()) result.hopeless = failing_alike_.text();
-        const bool checks = result.finished && options_.worker == 0;  // of workers' cases, when they are merged
+        const bool checks = result.finished && !options_.shard.claims();  // of workers' cases, when they are merged
         if (checks && (progress_.done > 0 || result.continuation_error.empty()))
             result.continuation_error = repeat(rows, cases_to_check(sweep_, cases_), false);
         if (checks && (progress_.done > 0 || result.steady_check.empty()))

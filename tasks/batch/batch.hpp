@@ -5,10 +5,10 @@
 ///     DIR/checkpoints/case-N.h5    of cases that were running
 ///     DIR/states/HASH.h5           settled states
 ///     DIR/records/case-N.h5        records, if the sweep asks for them
-///     DIR/shard-I-of-N/            the same for a share of the sweep; merge() makes DIR/cases.h5 of them
-///     DIR/workers/0001/            the same for the cases that a worker has claimed in DIR/workers/claims; merge() likewise
+///     DIR/workers/0001/            the same for the cases of a worker: those that it has claimed in DIR/workers/claims, or a share that is
+///                                  fixed beforehand and needs no claims; merge() makes DIR/cases.h5 of them
 ///
-/// Results do not depend on threads, shards, workers, kills or order. run_batch() itself dies with a case that takes its process down;
+/// Results do not depend on threads, workers, shares, kills or order. run_batch() itself dies with a case that takes its process down;
 /// supervise() starts it again, as the program does.
 
 #include <functional>
@@ -16,6 +16,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/executor/cancellation.hpp"
@@ -27,11 +28,15 @@ namespace cvtflow::tasks {
 
 constexpr int max_shards = 100000;
 
-/// Share i of n, counted from 1.
+/// Cases of a process: share `number` of `of`, counted from 1, or those that worker `number` claims.
 struct Shard {
-    int number = 1, of = 1;
-    [[nodiscard]] bool valid() const noexcept { return number >= 1 && number <= of && of <= max_shards; }
-    bool operator==(const Shard&) const = default;
+    int number = 1, of = 1;  ///< `of` is 0 where cases are claimed
+    [[nodiscard]] bool whole() const noexcept { return of == 1; }
+    [[nodiscard]] bool claims() const noexcept { return of == 0; }
+    /// "3/8", "worker 3": an attribute of tables.
+    [[nodiscard]] std::string text() const;
+    /// @param text  of text(); nothing: not one
+    [[nodiscard]] static std::optional<Shard> from(std::string_view text) noexcept;
 };
 
 struct BatchProgress {
@@ -56,10 +61,9 @@ struct BatchOptions {
     std::string folder;
     int threads = 0;  ///< 0: as many as this process may use
     bool pin = false;
-    double grace = 30.0;             ///< time for running cases to finish after a request to stop; others write a checkpoint [s]
-    double checkpoint_every = 60.0;  ///< wall time between checkpoints of a running case [s]
-    Shard shard;
-    int worker = 0;                          ///< place of a worker, which the caller holds (WorkerPlaces); 0: none, the cases of `shard`
+    double grace = 30.0;                     ///< time for running cases to finish after a request to stop; others write a checkpoint [s]
+    double checkpoint_every = 60.0;          ///< wall time between checkpoints of a running case [s]
+    Shard shard;                             ///< where cases are claimed, the caller holds the place (WorkerPlaces)
     std::vector<std::string> retry;          ///< statuses whose cases run again
     bool mixed = false;                      ///< accepts a table with rows of another program version or another start.state
     bool keep_going = false;                 ///< continues although the first dozen cases failed with the same message
@@ -106,7 +110,10 @@ struct BatchReport {
 
 /// Cases of a shard: whole strands, the most expensive first, each to the shard with the least to do so far. Ascending.
 [[nodiscard]] std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard);
+/// The folder in which a process writes its rows.
 [[nodiscard]] std::string shard_folder(const std::string& folder, const Shard& shard);
+/// The shard whose rows a folder contains, by its table; nothing: it has none. @throws engine::RecordError
+[[nodiscard]] std::optional<Shard> shard_in(const std::string& folder);
 
 /// The place of a worker: a folder that no other process writes into as long as the lock lives.
 struct WorkerPlace {
@@ -134,7 +141,7 @@ private:
 };
 
 [[nodiscard]] std::string workers_folder(const std::string& folder);
-[[nodiscard]] std::string worker_folder(const std::string& folder, int worker);
+void make_workers_folder(const std::string& folder);  ///< @throws engine::RecordError  cannot be made, a link
 [[nodiscard]] std::string claims_file(const std::string& folder);
 /// Whether a sweep has cases for workers: its folder contains no table yet, a partial one of merge(), or an unfinished one of a single
 /// process.
@@ -165,15 +172,15 @@ struct MergeReport {
     std::string results_hash;
 };
 
-/// Joins the tables of all shards or workers of a folder into DIR/cases.h5.
-/// @param partial write the table even if shards or cases are missing; they stay missing, and an attribute names them
+/// Joins the tables of all workers of a folder into DIR/cases.h5.
+/// @param partial write the table even if workers or cases are missing; they stay missing, and an attribute names them
 /// @param mixed join rows of different versions of the program or starts
-/// @throws SimulationError nothing to join; shards of other sweeps, or cut in another number; engine::RecordError
+/// @throws SimulationError nothing to join; workers of other sweeps, or shares of different divisions; engine::RecordError
 [[nodiscard]] MergeReport merge(const std::string& folder, bool partial, bool mixed = false);
 
-/// Progress of the sweep in a folder: of one process, of shards or of workers, running or not.
+/// Progress of the sweep in a folder: of one process or of workers, running or not.
 struct FolderProgress {
-    /// The folder itself, or that of a shard or worker.
+    /// The folder itself, or that of a worker.
     struct Part {
         std::string folder;
         long done = 0;         ///< cases in its table

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <map>
 #include <numeric>
@@ -29,13 +30,47 @@ std::vector<double> strand_costs(const Sweep& sweep) {
 
 }  // namespace
 
+namespace fs = std::filesystem;
+
+std::string Shard::text() const { return claims() ? fmt::format("worker {}", number) : fmt::format("{}/{}", number, of); }
+
+std::optional<Shard> Shard::from(std::string_view text) noexcept {
+    constexpr std::string_view claiming = "worker ";
+    const bool claims = text.starts_with(claiming);
+    if (claims) text.remove_prefix(claiming.size());
+    const auto read = [&text](int& number) {
+        const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+        text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
+        return error == std::errc{} && number >= 1;
+    };
+    Shard shard{0, 0};
+    if (!read(shard.number)) return {};
+    if (claims) return text.empty() ? std::optional(shard) : std::nullopt;
+    if (!text.starts_with('/')) return {};
+    text.remove_prefix(1);
+    if (!read(shard.of) || !text.empty() || shard.number > shard.of || shard.of > max_shards) return {};
+    return shard;
+}
+
+std::string workers_folder(const std::string& folder) { return (fs::path(folder) / "workers").string(); }
+void make_workers_folder(const std::string& folder) {
+    for (const std::string& made : {folder, workers_folder(folder)}) static_cast<void>(engine::FolderLock::if_free(made));
+}
+std::string claims_file(const std::string& folder) { return (fs::path(workers_folder(folder)) / "claims").string(); }
 std::string shard_folder(const std::string& folder, const Shard& shard) {
-    return shard.of == 1 ? folder : (std::filesystem::path(folder) / fmt::format("shard-{:04}-of-{:04}", shard.number, shard.of)).string();
+    return shard.whole() ? folder : (fs::path(workers_folder(folder)) / fmt::format("{:04}", shard.number)).string();
+}
+
+std::optional<Shard> shard_in(const std::string& folder) {
+    const std::string file = (fs::path(folder) / "cases.h5").string();
+    std::error_code absent;
+    if (!fs::exists(file, absent)) return {};
+    return Shard::from(engine::CaseReader(file).head().attribute("shard"));
 }
 
 std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard) {
     std::vector<long> cases;
-    if (shard.of == 1) {
+    if (shard.whole()) {
         cases.resize(static_cast<std::size_t>(sweep.cases()));
         std::iota(cases.begin(), cases.end(), 0L);
         return cases;
@@ -58,35 +93,17 @@ std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard) {
     return cases;
 }
 
-namespace fs = std::filesystem;
-
 namespace {
 
-/// Tables of all workers.
-std::vector<std::string> worker_tables(const std::string& folder) {
-    std::vector<std::string> tables;
-    std::error_code absent;
-    for (int worker = 1; fs::exists(worker_folder(folder, worker), absent); ++worker) {
-        const std::string file = worker_folder(folder, worker) + "/cases.h5";
-        if (fs::exists(file, absent)) tables.push_back(file);
-    }
-    return tables;
-}
-
-/// Number of shards, from the names of the folders. @throws SimulationError
-int shard_count(const std::string& folder) {
-    std::set<int> counts;
+/// Folders of workers that have tables, also with the names of version 0.3, DIR/shard-0001-of-0008. Sorted.
+std::vector<std::string> parts_of(const std::string& folder) {
+    std::vector<std::string> parts;
     std::error_code unreadable;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder, unreadable)) {
-        int number = 0, of = 0;
-        if (std::sscanf(entry.path().filename().c_str(), "shard-%9d-of-%9d", &number, &of) == 2 && Shard{number, of}.valid())
-            counts.insert(of);
-    }
-    if (counts.empty()) throw SimulationError(folder + ": contains no shards to merge");
-    if (counts.size() > 1)
-        throw SimulationError(
-            fmt::format("{}: shards of different divisions ({}): remove the wrong ones", folder, fmt::join(counts, ", ")));
-    return *counts.begin();
+    for (const std::string& place : {folder, workers_folder(folder)})
+        for (const auto& entry : fs::directory_iterator(place, unreadable))
+            if (fs::exists(entry.path() / "cases.h5", unreadable)) parts.push_back(entry.path().string());
+    std::sort(parts.begin(), parts.end());
+    return parts;
 }
 
 class Merge {
@@ -96,12 +113,10 @@ public:
     }
 
     MergeReport run(bool partial) {
-        const std::vector<std::string> workers = worker_tables(folder_);
-        const int shards = workers.empty() ? shard_count(folder_) : 0;
+        const std::vector<std::string> parts = parts_of(folder_);
+        if (parts.empty()) throw SimulationError(folder_ + ": contains no tables of workers to merge");
         const engine::FolderLock lock(folder_);
-        for (int number = 1; number <= shards; ++number) add_shard(shard_folder(folder_, {number, shards}));
-        for (const std::string& file : workers) add(file, true);
-        if (!table_) throw SimulationError(folder_ + ": no shard has results");
+        for (const std::string& part : parts) add((fs::path(part) / "cases.h5").string());
         find_missing();
         const bool whole = report_.missing_cases.empty() && report_.missing_shards.empty();
         if (whole || partial) write(whole);
@@ -109,15 +124,18 @@ public:
     }
 
 private:
-    void add_shard(const std::string& shard) {
-        const std::string file = (fs::path(shard) / "cases.h5").string();
-        std::error_code missing;
-        if (!fs::exists(file, missing)) return report_.missing_shards.push_back(shard);
-        add(file, false);
+    /// Notes whose rows a table has. @throws SimulationError  not of the division of the others
+    void note_shard(const std::string& file, const std::string& text) {
+        const Shard shard = Shard::from(text).value_or(Shard{});
+        if (shards_.empty()) division_ = shard;
+        if (shard.of != division_.of)
+            throw SimulationError(
+                fmt::format("{}: rows of {}, beside those of {}: remove the wrong ones", file, shard.text(), division_.text()));
+        shards_.insert(shard.number);
     }
 
-    /// @param repeats  whether a case may be there twice, with equal results; its first row is taken
-    void add(const std::string& file, bool repeats) {
+    /// A case may be there twice, with equal results: its first row is taken.
+    void add(const std::string& file) {
         const engine::CaseTable part = read_results(file);
         if (!table_) {
             table_ = part;
@@ -125,13 +143,12 @@ private:
         }
         require_same_sweep(file, part, *table_);
         require_same_origin(file, *table_, part, mixed_);
+        note_shard(file, part.attribute("shard"));
         if (const std::string error = part.attribute("continuation_error"); !error.empty()) errors_.push_back(error);
         const std::size_t number = part.layout.column("case");
         for (std::size_t i = 0; i < part.size(); ++i) {
             const auto row = part.row(i);
-            const bool repeated = !seen_.insert(part.layout.integer(row, number)).second;
-            if (repeated && repeats) continue;
-            if (repeated) throw SimulationError(fmt::format("{}: case {} is in two shards", file, part.layout.integer(row, number)));
+            if (!seen_.insert(part.layout.integer(row, number)).second) continue;
             report_.tally.add(part.layout, row);
             table_->rows.insert(table_->rows.end(), row.begin(), row.end());
         }
@@ -143,16 +160,18 @@ private:
         for (long number = 0; number < report_.cases; ++number) {
             if (!seen_.contains(number)) report_.missing_cases.push_back(number);
         }
+        for (int number = 1; number <= division_.of; ++number)
+            if (!shards_.contains(number)) report_.missing_shards.push_back(shard_folder(folder_, {number, division_.of}));
     }
 
-    /// A table with more cases than the shards have is not of these shards.
+    /// A table with more cases than the workers have is not of these workers.
     void require_no_more_cases() const {
         std::error_code absent;
         if (!fs::exists(report_.file, absent)) return;
         const std::size_t there = engine::CaseReader(report_.file).size();
         if (there <= table_->size()) return;
         throw engine::RecordError(
-            fmt::format("{}: has {} cases, the shards have {}; move it away to merge them", report_.file, there, table_->size()));
+            fmt::format("{}: has {} cases, the workers have {}; move it away to merge them", report_.file, there, table_->size()));
     }
 
     void write(bool whole) {
@@ -160,7 +179,7 @@ private:
         require_no_more_cases();
         sort_rows(*table_);
         report_.results_hash = results_hash(*table_);
-        table_->set({"shard", "1/1"});
+        table_->set({"shard", Shard{}.text()});
         table_->set({"continuation_error", fmt::format("{}", fmt::join(errors_, "; "))});
         table_->set({"status", whole ? "finished" : "incomplete"});
         table_->set({"missing_cases", fmt::format("{}", fmt::join(report_.missing_cases, " "))});
@@ -173,46 +192,44 @@ private:
     MergeReport report_;
     std::optional<engine::CaseTable> table_;
     std::set<std::int64_t> seen_;
+    Shard division_;
+    std::set<int> shards_;
     std::vector<std::string> errors_;
 };
 
 }  // namespace
-
-std::string workers_folder(const std::string& folder) { return (fs::path(folder) / "workers").string(); }
-std::string worker_folder(const std::string& folder, int worker) {
-    return (fs::path(workers_folder(folder)) / fmt::format("{:04}", worker)).string();
-}
-std::string claims_file(const std::string& folder) { return (fs::path(workers_folder(folder)) / "claims").string(); }
 
 bool awaits_workers(const std::string& folder) try {
     const std::string file = (fs::path(folder) / "cases.h5").string();
     std::error_code absent;
     if (!fs::exists(file, absent)) return true;
     const std::string status = engine::CaseReader(file).head().attribute("status");
-    return fs::exists(workers_folder(folder), absent) ? status == "incomplete" : status != "finished";
+    return fs::exists(claims_file(folder), absent) ? status == "incomplete" : status != "finished";
 } catch (const engine::RecordError&) {
     return false;  // damaged: recovered or reported where it is continued
 }
 
 WorkerPlaces::WorkerPlaces(const Sweep& sweep, const std::string& folder) : sweep_(sweep), folder_(folder) {
     std::error_code absent;
-    if (fs::exists(fs::path(folder) / "cases.h5", absent) && !fs::exists(workers_folder(folder), absent))
+    if (fs::exists(fs::path(folder) / "cases.h5", absent) && !fs::exists(claims_file(folder), absent))
         throw SimulationError(folder + ": this sweep was begun without workers; continue it without --worker");
-    for (const auto& entry : fs::directory_iterator(folder, absent))
-        if (entry.path().filename().string().starts_with("shard-"))
-            throw SimulationError(entry.path().string() + ": this sweep was begun as shards; continue it without --worker");
-    for (const std::string& made : {folder, workers_folder(folder)}) static_cast<void>(engine::FolderLock::if_free(made));
+    make_workers_folder(folder);
     const engine::CaseTable here = empty_table(sweep);
-    for (const std::string& file : worker_tables(folder)) {
+    for (const std::string& part : parts_of(folder)) {
         try {
-            require_same_sweep(file, engine::CaseReader(file).head(), here);
+            const std::string file = (fs::path(part) / "cases.h5").string();
+            engine::CaseReader table(file);
+            require_same_sweep(file, table.head(), here);
+            const std::optional<Shard> shard = Shard::from(table.head().attribute("shard"));
+            if (shard && !shard->claims())
+                throw SimulationError(fmt::format("{}: this sweep was begun with --shard {}; continue it so", part, shard->text()));
         } catch (const engine::RecordError&) {}  // damaged: recovered or reported by the worker that takes this place
     }
 }
 
 /// Whether a worker has not done all that it has claimed. @throws engine::RecordError
 bool WorkerPlaces::has_work(int number, const std::vector<engine::Claim>& claims) const {
-    const std::string file = worker_folder(folder_, number) + "/cases.h5";
+    const std::string file = shard_folder(folder_, {number, 0}) + "/cases.h5";
     std::error_code absent;
     const bool claimed = std::ranges::any_of(claims, [&](const engine::Claim& claim) { return claim.worker == number; });
     if (!claimed || !fs::exists(file, absent)) return claimed;
@@ -235,7 +252,7 @@ std::optional<WorkerPlace> WorkerPlaces::next() {
     for (const engine::Claim& claim : claims) last = std::max(last, claim.worker);
     for (int number = 1; open || number <= last; ++number) {
         if (!open && finished_.contains(number)) continue;
-        std::unique_ptr<engine::FolderLock> lock = engine::FolderLock::if_free(worker_folder(folder_, number));
+        std::unique_ptr<engine::FolderLock> lock = engine::FolderLock::if_free(shard_folder(folder_, {number, 0}));
         if (lock == nullptr) continue;
         if (open || has_work(number, claims)) return WorkerPlace{number, std::move(lock)};
         finished_.insert(number);
@@ -246,22 +263,6 @@ std::optional<WorkerPlace> WorkerPlaces::next() {
 
 MergeReport merge(const std::string& folder, bool partial, bool mixed) { return Merge(folder, mixed).run(partial); }
 
-namespace {
-
-/// The folder itself where it contains a table, otherwise those of its shards and workers. Sorted.
-std::vector<std::string> part_folders(const std::string& folder) {
-    std::error_code unreadable;
-    if (fs::exists(fs::path(folder) / "cases.h5", unreadable)) return {folder};
-    std::vector<std::string> parts;
-    for (const std::string& place : {folder, workers_folder(folder)})
-        for (const auto& entry : fs::directory_iterator(place, unreadable))
-            if (fs::exists(entry.path() / "cases.h5", unreadable)) parts.push_back(entry.path().string());
-    std::sort(parts.begin(), parts.end());
-    return parts;
-}
-
-}  // namespace
-
 long FolderProgress::running() const noexcept {
     return std::count_if(parts.begin(), parts.end(), [](const Part& part) { return part.running; });
 }
@@ -269,7 +270,9 @@ long FolderProgress::running() const noexcept {
 FolderProgress folder_progress(const std::string& folder) {
     FolderProgress progress;
     std::set<std::int64_t> seen;
-    for (const std::string& each : part_folders(folder)) {
+    std::error_code absent;
+    const bool whole = fs::exists(fs::path(folder) / "cases.h5", absent);
+    for (const std::string& each : whole ? std::vector{folder} : parts_of(folder)) {
         const std::string file = (fs::path(each) / "cases.h5").string();
         engine::CaseTable table = read_results(file);
         if (progress.parts.empty()) {
@@ -285,7 +288,8 @@ FolderProgress folder_progress(const std::string& folder) {
         progress.parts.push_back({each, done, done, engine::being_written((fs::path(each) / "lock").string())});
     }
     std::map<std::string, long> claimed;
-    for (const engine::Claim& claim : engine::read_claims(claims_file(folder))) claimed[worker_folder(folder, claim.worker)] += claim.cases;
+    for (const engine::Claim& claim : engine::read_claims(claims_file(folder)))
+        claimed[shard_folder(folder, {claim.worker, 0})] += claim.cases;
     for (FolderProgress::Part& part : progress.parts)
         if (const auto found = claimed.find(part.folder); found != claimed.end()) part.claimed = found->second;
     return progress;

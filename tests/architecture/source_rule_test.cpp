@@ -27,8 +27,6 @@ const std::regex stream(R"(\b(std::)?(ifstream|istringstream|istream)\b)"), extr
 /// Files that may, and the reason.
 const std::map<std::string, std::string> locale_exempt{
     {"tasks/scene/ready_scenes.cpp", "addresses in hexadecimal"},
-    {"tasks/batch/shard.cpp", "counts in a folder's name"},
-    {"tools/program/command/run/resume.cpp", "counts in a folder's name"},
     {"tasks/batch/sweep/scalar.cpp", "words"},
     {"tasks/schedule/schedule.cpp", "words, which number_of reads"},
     {"engine/record/hdf5/hdf5_open.cpp", "a word, which number_of reads"},

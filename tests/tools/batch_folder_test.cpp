@@ -111,9 +111,9 @@ TEST_F(BatchOrigin, OfShardsMustAgree) {
     ASSERT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--shard", "2/2"}).status, 0);
     const Outcome starts = run({"merge", "cut"});
     EXPECT_EQ(starts.status, 1);
-    EXPECT_THAT(starts.err, HasSubstr("cut/shard-0002-of-0002/cases.h5: content of start.state "));
+    EXPECT_THAT(starts.err, HasSubstr("cut/workers/0002/cases.h5: content of start.state "));
     EXPECT_FALSE(exists("cut/cases.h5"));
-    give_to_other_program("cut/shard-0001-of-0002");
+    give_to_other_program("cut/workers/0001");
     EXPECT_THAT(run({"merge", "cut"}).err, HasSubstr("program 0.1.0 (deadbeef) there, "));
     EXPECT_EQ(run({"merge", "cut", "--mixed"}).status, 0);
     EXPECT_EQ(table("cut").attribute("program"), other_program + std::string("; ") + engine::version_text());
@@ -346,10 +346,10 @@ TEST_F(TornSweep, IsRefusedByAnotherSweepOrAnotherShard) {
     EXPECT_EQ(batch().err, "cvtflow: out/cases.h5: not an HDF5 file\n");
     EXPECT_EQ(read("out/cases.h5"), torn_);
     write_sweep();
-    std::filesystem::create_directory(folder_ / "out/shard-0001-of-0002");
-    write("out/shard-0001-of-0002/cases.h5", torn_);
-    EXPECT_EQ(batch({"--shard", "1/2"}).err, "cvtflow: out/shard-0001-of-0002/cases.h5: not an HDF5 file\n");
-    EXPECT_EQ(read("out/shard-0001-of-0002/cases.h5"), torn_);
+    std::filesystem::create_directories(folder_ / "out/workers/0001");
+    write("out/workers/0001/cases.h5", torn_);
+    EXPECT_EQ(batch({"--shard", "1/2"}).err, "cvtflow: out/workers/0001/cases.h5: not an HDF5 file\n");
+    EXPECT_EQ(read("out/workers/0001/cases.h5"), torn_);
 }
 
 }  // namespace

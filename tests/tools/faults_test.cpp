@@ -94,7 +94,7 @@ class Faults : public Sweeps {
 protected:
     void SetUp() override {
         made_once("files for every command", [this] { make(); });
-        kept_ = {"record.h5", "given.h5", "sweep.toml", "old/cases.h5", "shards/shard-0001-of-0002/cases.h5"};
+        kept_ = {"record.h5", "given.h5", "sweep.toml", "old/cases.h5", "shards/workers/0001/cases.h5"};
         for (const std::string& name : kept_) contents_[name] = read(name);
         checkpoint_ = read("old.checkpoint.h5");
         part_ = read("old.h5");

@@ -56,7 +56,7 @@ std::vector<Target> targets() {
             {"cut.checkpoint.h5", Forged::state, of_checkpoint},
             {"out/cases.h5", Forged::table, of_table},
             {"cut.h5", Forged::record, {{"resume", "cut.checkpoint.h5", "-q"}}},
-            {"shards/shard-0001-of-0002/cases.h5", Forged::table, {{"merge", "shards"}, {"merge", "shards", "--partial"}}}};
+            {"shards/workers/0001/cases.h5", Forged::table, {{"merge", "shards"}, {"merge", "shards", "--partial"}}}};
 }
 
 /// Forgeries of a record, a state, a checkpoint and a table go through every command that reads them.

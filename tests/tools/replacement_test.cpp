@@ -487,11 +487,11 @@ TEST_F(NightlySweepBesideFiles, KilledAHundredTimesChangesNoneOfThemAndLosesAndR
 
 TEST_F(Replacement, MergeKeepsRowsThatTheShardsDoNotHave) {
     ASSERT_EQ(run({"merge", "cut"}).status, 0);
-    fs::remove(folder_ / "cut/shard-0002-of-0002/cases.h5");
+    fs::remove(folder_ / "cut/workers/0002/cases.h5");
     const std::string whole = read("cut/cases.h5");
     const Outcome outcome = run({"merge", "cut", "--partial"});
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_THAT(outcome.err, HasSubstr("cut/cases.h5: has 4 cases, the shards have"));
+    EXPECT_THAT(outcome.err, HasSubstr("cut/cases.h5: has 4 cases, the workers have"));
     EXPECT_TRUE(read("cut/cases.h5") == whole);
 }
 

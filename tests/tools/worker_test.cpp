@@ -1,4 +1,4 @@
-/// Sweeps of several processes: workers that share a folder, tasks of a job array, and shards that are merged.
+/// Sweeps of several processes: workers that claim cases, tasks of a job array, and fixed shares that are merged.
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -198,7 +198,7 @@ TEST_F(Worker, RefusesAFolderOfAnotherKindOrSweep) {
     write_sweep();
     ASSERT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--shard", "1/3"}).status, 0);
     EXPECT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--worker"}).err,
-              "cvtflow: cut/shard-0001-of-0003: this sweep was begun as shards; continue it without --worker\n");
+              "cvtflow: cut/workers/0001: this sweep was begun with --shard 1/3; continue it so\n");
     ASSERT_EQ(run({"batch", "sweep.toml", "-o", "plain"}).status, 0);
     EXPECT_EQ(run({"batch", "sweep.toml", "-o", "plain", "--worker"}).status, 0) << "all cases are done";
     write_sweep("\"6 N*m\"", "20 ms");
@@ -208,6 +208,8 @@ TEST_F(Worker, RefusesAFolderOfAnotherKindOrSweep) {
               "cvtflow: begun: this sweep was begun without workers; continue it without --worker\n");
     write_sweep();
     ASSERT_EQ(run(line_).status, 0);
+    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "out", "--shard", "1/3"}).err,
+              "cvtflow: out: this sweep was begun with --worker; continue it so\n");
     std::filesystem::remove(folder_ / "out/cases.h5");
     write_sweep("\"7 N*m\"");
     const Outcome other = run(line_);
@@ -262,12 +264,32 @@ TEST_F(Merge, NamesWhatIsMissing) {
     const Outcome refused = run({"merge", "cut"});
     EXPECT_EQ(refused.status, 5);
     EXPECT_EQ(refused.err,
-              "cvtflow: cut/shard-0002-of-0003: this shard has no results\ncvtflow: 4 of 12 cases are missing: 1, 4, 7, 10\n"
-              "cvtflow: nothing was written; run the missing shards, or use --partial to join the available ones\n");
+              "cvtflow: cut/workers/0002: this worker has no results\ncvtflow: 4 of 12 cases are missing: 1, 4, 7, 10\n"
+              "cvtflow: nothing was written; run the missing shares, or use --partial to join the available ones\n");
     EXPECT_FALSE(exists("cut/cases.h5"));
     EXPECT_EQ(run({"merge", "cut", "--partial"}).status, 5);
     EXPECT_EQ(column("hash", "cut").size(), 8u);
     EXPECT_EQ(table("cut").attribute("missing_cases"), "1 4 7 10");
+}
+
+TEST_F(Merge, JoinsFoldersThatWereCopiedTogetherAndThoseOfVersion03ButNotOtherDivisions) {
+    write_sweep();
+    const std::string whole = hash_in(run({"batch", "sweep.toml", "-o", "whole"}).out);
+    for (const char* shard : {"1/2", "2/2"}) {
+        const std::string place = std::string("machine ") + shard[0];
+        ASSERT_EQ(run({"batch", "sweep.toml", "-o", place, "--shard", shard}).status, 0);
+        fs::copy(folder_ / place, folder_ / "cut", fs::copy_options::recursive | fs::copy_options::skip_existing);
+    }
+    const Outcome joined = run({"merge", "cut"});
+    EXPECT_EQ(joined.status, 0) << joined.err;
+    EXPECT_EQ(hash_in(joined.out), whole);
+    fs::create_directories(folder_ / "old");
+    for (const char number : {'1', '2'})
+        fs::rename(folder_ / "cut/workers" / ("000" + std::string(1, number)),
+                   folder_ / "old" / ("shard-000" + std::string(1, number) + "-of-0002"));
+    EXPECT_EQ(hash_in(run({"merge", "old"}).out), whole);
+    ASSERT_EQ(run({"batch", "sweep.toml", "-o", "old", "--shard", "3/3"}).status, 0);
+    EXPECT_EQ(run({"merge", "old"}).err, "cvtflow: old/workers/0003/cases.h5: rows of 3/3, beside those of 1/2: remove the wrong ones\n");
 }
 
 TEST_F(Merge, NamesTheFirstMissingShardsAndCountsTheOthers) {
@@ -278,7 +300,7 @@ TEST_F(Merge, NamesTheFirstMissingShardsAndCountsTheOthers) {
     EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 5 + 1 + 1 + 1)
         << refused.err;  // five shards, how many more, cases, what to do
     EXPECT_THAT(refused.err,
-                HasSubstr("cut/shard-0006-of-0012: this shard has no results\ncvtflow: … and 6 more; 11 shards have no results\n"));
+                HasSubstr("cut/workers/0006: this worker has no results\ncvtflow: … and 6 more; 11 workers have no results\n"));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ constexpr std::array commands{
     Command{"tune", run, "Find the cheapest detail, method and step for a target accuracy, by measuring", declare_tune},
     Command{"batch", sweep, "Run a sweep: many variants of a scene, one row of results each", declare_batch},
     Command{"table", sweep, "Show the results of a sweep as text or CSV, or count the cycles of a recorded load", declare_table},
-    Command{"merge", sweep, "Join the results of all shards of a sweep", declare_merge},
+    Command{"merge", sweep, "Join the results of all workers of a sweep", declare_merge},
     Command{"diff", sweep, "Compare the results of two sweeps case by case", declare_diff},
     Command{"info", record, "Show the contents of a record, a state file or a sweep's table", declare_info},
     Command{"plot", record, "Draw records or a sweep: curves, orders, losses, maps; SVG, PNG or CSV", declare_plot},

@@ -82,7 +82,7 @@ tasks::Scene scene_to_resume(const ResumeArguments& arguments, const tasks::Chec
     return scene;
 }
 
-/// Runs the unfinished cases of a sweep, or of the shard whose folder is named.
+/// Runs the unfinished cases of a sweep, or of the worker whose folder is named.
 ExitStatus resume_sweep(const ResumeArguments& arguments) {
     tasks::BatchOptions options;
     options.folder = arguments.what;
@@ -90,13 +90,12 @@ ExitStatus resume_sweep(const ResumeArguments& arguments) {
     if (arguments.every) options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.every);
     options.keep_going = arguments.keep_going;
     options.mixed = arguments.mixed;
-    tasks::Shard shard;
-    const std::filesystem::path folder(options.folder);
-    if (std::sscanf(folder.filename().c_str(), "shard-%9d-of-%9d", &shard.number, &shard.of) == 2 && shard.valid()) {
-        options.folder = folder.parent_path().string();
-        options.shard = shard;
+    const tasks::Sweep sweep = load_sweep(sweep_of(arguments.what));
+    if (const auto shard = tasks::shard_in(options.folder); shard && !shard->whole()) {
+        options.folder = std::filesystem::path(options.folder).parent_path().parent_path().string();
+        if (!shard->claims()) options.shard = *shard;
     }
-    return run_sweep(load_sweep(sweep_of(arguments.what)), options, {.quiet = arguments.quiet});
+    return run_sweep(sweep, options, {.quiet = arguments.quiet});
 }
 
 ExitStatus resume_run(const ResumeArguments& arguments) {

@@ -6,7 +6,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -29,11 +28,11 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// @param worker  its number; it knows only the cases that it has claimed so far
-std::string progress_line(const tasks::BatchProgress& p, int worker) {
+/// @param shard  a worker knows only the cases that it has claimed so far
+std::string progress_line(const tasks::BatchProgress& p, const tasks::Shard& shard) {
     const double rate = static_cast<double>(p.done) / std::max(p.wall, 1e-9), left = p.left();
-    if (worker > 0)
-        return fmt::format("worker {}: {}, {:.3g} a second{}", worker, plural(p.before + p.done, "case"), rate,
+    if (shard.claims())
+        return fmt::format("{}: {}, {:.3g} a second{}", shard.text(), plural(p.before + p.done, "case"), rate,
                            p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
     return fmt::format("{} of {} cases, {:.3g} a second{}{}", p.before + p.done, p.cases, rate,
                        std::isnan(left) ? "" : fmt::format(", {} left", clock_text(left)),
@@ -46,9 +45,9 @@ void print_json(const nlohmann::ordered_json& line) {
     std::fflush(stdout);
 }
 
-nlohmann::ordered_json progress_json(const tasks::BatchProgress& p, int worker) {
+nlohmann::ordered_json progress_json(const tasks::BatchProgress& p, const tasks::Shard& shard) {
     nlohmann::ordered_json line{{"event", "progress"}, {"done", p.before + p.done}, {"failed_now", p.failed}, {"wall", p.wall}};
-    if (worker > 0) return line.update({{"worker", worker}}), line;
+    if (shard.claims()) return line.update({{"worker", shard.number}}), line;
     return line.update({{"cases", p.cases}, {"left", p.left()}}), line;  // NaN becomes null
 }
 
@@ -74,7 +73,7 @@ nlohmann::ordered_json end_json(const tasks::Sweep& sweep, const tasks::BatchRep
 
 void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, const tasks::BatchOptions& options) {
     const tasks::BatchProgress& p = report.progress;
-    const std::string of_all = options.worker > 0 ? "" : fmt::format(" of {}", p.cases);
+    const std::string of_all = options.shard.claims() ? "" : fmt::format(" of {}", p.cases);
     fmt::print("{}: {}\n", sweep.name,
                report.finished ? "finished"
                                : fmt::format("stopped after {}{} cases; to continue: cvtflow resume {}{}", p.before + p.done, of_all,
@@ -127,10 +126,10 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
     {
         StatusLine line(quiet, output.json);
         options.cancel = &interrupted;
-        options.progress = [&line, json = output.json, worker = options.worker](const tasks::BatchProgress& progress) {
+        options.progress = [&line, json = output.json, shard = options.shard](const tasks::BatchProgress& progress) {
             if (!line.due()) return;
-            if (!json) return line.show(progress_line(progress, worker));
-            print_json(progress_json(progress, worker));
+            if (!json) return line.show(progress_line(progress, shard));
+            print_json(progress_json(progress, shard));
             line.wait();
         };
         options.notice = [&line](const std::string& what) { line.say(what); };
@@ -138,8 +137,8 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
         report = tasks::run_batch(sweep, options);
     }
     if (options.part.only && !interrupted.requested()) return ExitStatus::finished;
-    if (options.worker > 0 && report.finished && !interrupted.requested()) {
-        if (!output.json) say(quiet, progress_line(report.progress, options.worker));
+    if (options.shard.claims() && report.finished && !interrupted.requested()) {
+        if (!output.json) say(quiet, progress_line(report.progress, options.shard));
         return ExitStatus::finished;
     }
     const bool accurate = !report.finished || verified(asked, tuned, report, quiet);
@@ -188,7 +187,7 @@ ExitStatus run_worker(const tasks::Sweep& asked, const tasks::TunedSweep& tuned,
     const std::vector<std::string> retry = std::exchange(options.retry, {});  // of the merged table
     for (tasks::WorkerPlaces places(tuned.sweep, options.folder); !places.done();) {
         if (const std::optional<tasks::WorkerPlace> place = places.next()) {
-            options.worker = place->number;
+            options.shard = {place->number, 0};
             const ExitStatus status = run_supervised(asked, tuned, options, output);
             if (status != ExitStatus::finished) return status;
         } else if (!places.done() && pause()) {
@@ -200,7 +199,7 @@ ExitStatus run_worker(const tasks::Sweep& asked, const tasks::TunedSweep& tuned,
         if (pause()) return ExitStatus::cancelled;
     if (tasks::awaits_workers(options.folder) && !tasks::merge(options.folder, false, options.mixed).missing_cases.empty())
         throw tasks::SimulationError(options.folder + ": cases are missing although all were claimed; cvtflow merge lists them");
-    options.worker = 0;
+    options.shard = {};
     options.retry = retry;
     return run_supervised(asked, tuned, options, output);
 }
@@ -216,14 +215,8 @@ struct BatchArguments {
 };
 
 tasks::Shard shard_of(const std::string& text) {
-    const std::size_t slash = text.find('/');
-    tasks::Shard shard;
-    const auto number = [&](std::size_t first, std::size_t last, int& to) {
-        const auto [end, error] = std::from_chars(text.data() + first, text.data() + last, to);
-        return error == std::errc{} && end == text.data() + last;
-    };
-    if (slash != std::string::npos && number(0, slash, shard.number) && number(slash + 1, text.size(), shard.of) && shard.valid())
-        return shard;
+    const std::optional<tasks::Shard> shard = tasks::Shard::from(text);
+    if (shard && !shard->claims()) return *shard;
     throw UsageError(fmt::format("--shard {}: expected I/N with 1 <= I <= N <= {}, e.g. 3/8", text, tasks::max_shards));
 }
 
@@ -266,7 +259,7 @@ ExitStatus dry_run(const tasks::Sweep& sweep, const tasks::Shard& shard, int thr
     const std::vector<long> cases = tasks::shard_cases(sweep, shard);
     const tasks::BatchEstimate cost = tasks::estimate(sweep, shard, 0.6);
     std::string text = fmt::format("{}: {}{}\n{}", sweep.name, plural(static_cast<long>(cases.size()), "case"),
-                                   shard.of > 1 ? fmt::format(" of shard {}/{}", shard.number, shard.of) : "", cases_text(sweep, cases));
+                                   !shard.whole() ? fmt::format(" of shard {}/{}", shard.number, shard.of) : "", cases_text(sweep, cases));
     std::vector<std::string> scalars;
     for (const tasks::Scalar& scalar : sweep.scalars) scalars.push_back(scalar.text);
     text += field("scalars", fmt::format("{}", fmt::join(scalars, ", ")));
@@ -303,9 +296,9 @@ constexpr std::size_t named_cases = 20, named_shards = 5;
 
 void report_missing(const tasks::MergeReport& report) {
     const std::vector<std::string>& shards = report.missing_shards;
-    for (std::size_t k = 0; k < std::min(named_shards, shards.size()); ++k) print_error(shards[k] + ": this shard has no results");
+    for (std::size_t k = 0; k < std::min(named_shards, shards.size()); ++k) print_error(shards[k] + ": this worker has no results");
     if (shards.size() > named_shards)
-        print_error(fmt::format("… and {} more; {} shards have no results", shards.size() - named_shards, shards.size()));
+        print_error(fmt::format("… and {} more; {} workers have no results", shards.size() - named_shards, shards.size()));
     const std::vector<long>& cases = report.missing_cases;
     if (cases.empty()) return;
     const auto named = cases.begin() + static_cast<std::ptrdiff_t>(std::min(named_cases, cases.size()));
@@ -318,7 +311,7 @@ ExitStatus merge(const std::string& folder, bool partial, bool mixed) {
     const bool whole = report.missing_cases.empty() && report.missing_shards.empty();
     if (!whole) report_missing(report);
     if (!whole && !partial) {
-        print_error("nothing was written; run the missing shards, or use --partial to join the available ones");
+        print_error("nothing was written; run the missing shares, or use --partial to join the available ones");
         return ExitStatus::incomplete;
     }
     fmt::print("{}: {} of {} cases\n{}{}", engine::visible(report.file), report.rows, report.cases, tally_text(report.tally),
@@ -383,7 +376,7 @@ ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, Swe
     if (options.threads <= 0) options.threads = tasks::usable_threads();
     const tasks::TunedSweep tuned = tuned_here(sweep, options.folder, output.quiet);
     std::error_code absent;
-    const bool begun_by_workers = options.shard.of == 1 && std::filesystem::exists(tasks::workers_folder(options.folder), absent);
+    const bool begun_by_workers = options.shard.whole() && std::filesystem::exists(tasks::claims_file(options.folder), absent);
     if ((as_worker || begun_by_workers) && tasks::awaits_workers(options.folder)) return run_worker(sweep, tuned, options, output);
     return run_supervised(sweep, tuned, options, output);
 } catch (const tasks::AccuracyError& error) {
@@ -408,7 +401,7 @@ Action declare_batch(CLI::App& app) {
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
     app.add_flag("--pin", arguments->options.pin, "Pin every worker to a processor");
-    app.add_option("--shard", arguments->shard, "Run part I of N only; cvtflow merge joins the parts")->type_name("I/N");
+    app.add_option("--shard", arguments->shard, "Be worker I of N with a fixed share of the cases, which needs no file locks; cvtflow merge joins the tables")->type_name("I/N");
     app.add_option("--grace", arguments->grace,
                    "After SIGTERM, time for running cases to finish; the others write a checkpoint (default: 30 s)")
         ->type_name("TIME");
@@ -425,7 +418,7 @@ Action declare_batch(CLI::App& app) {
     app.add_flag("--json", arguments->output.json,
                  "Print lines of JSON: at most every 10 s the progress (not with -q), at the end a summary with the exit status")
         ->excludes("--dry-run");
-    app.footer("Results do not depend on threads, shards, workers or interruptions. cvtflow table DIR shows them.\n\n" +
+    app.footer("Results do not depend on threads, workers or interruptions. cvtflow table DIR shows them.\n\n" +
                std::string(exit_status_help));
     return [arguments] { return batch(*arguments); };
 }
@@ -433,10 +426,10 @@ Action declare_batch(CLI::App& app) {
 Action declare_merge(CLI::App& app) {
     const auto folder = std::make_shared<std::string>();
     const auto partial = std::make_shared<bool>(false), mixed = std::make_shared<bool>(false);
-    app.add_option("DIR", *folder, "Folder of all shards")->required()->type_name("");
+    app.add_option("DIR", *folder, "Folder of the sweep")->required()->type_name("");
     app.add_flag("--partial", *partial, "Join the available cases although others are missing");
     app.add_flag("--mixed", *mixed, mixed_meaning);
-    app.footer("Missing shards and cases are listed.\n\n" + std::string(exit_status_help));
+    app.footer("Missing workers and cases are listed.\n\n" + std::string(exit_status_help));
     return [folder, partial, mixed] { return merge(*folder, *partial, *mixed); };
 }
 
