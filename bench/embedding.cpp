@@ -68,10 +68,10 @@ double time_of_others() {
     std::string name;
     double user = 0.0, nice = 0.0, system = 0.0;
     if (!(file >> name >> user >> nice >> system)) return 0.0;
-    rusage own{};
-    getrusage(RUSAGE_SELF, &own);
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
     const auto of = [](const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); };
-    return (user + nice + system) / static_cast<double>(sysconf(_SC_CLK_TCK)) - of(own.ru_utime) - of(own.ru_stime);
+    return (user + nice + system) / static_cast<double>(sysconf(_SC_CLK_TCK)) - of(usage.ru_utime) - of(usage.ru_stime);
 }
 
 struct Way {

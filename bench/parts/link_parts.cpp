@@ -18,9 +18,9 @@ class Forces {
 public:
     explicit Forces(double* out) noexcept : out_(out) { f_.fill(V(0.0)); }
     [[nodiscard]] V* data() noexcept { return f_.data(); }
-    void write(int own, int count) const noexcept {
+    void write(int start, int count) const noexcept {
         std::array<double*, width> to;
-        for (int lane = 0; lane < count; ++lane) to[static_cast<std::size_t>(lane)] = out_ + (own + lane) * Pass::block;
+        for (int lane = 0; lane < count; ++lane) to[static_cast<std::size_t>(lane)] = out_ + (start + lane) * Pass::block;
         store_rows<width, size>(f_.data(), to, count);
     }
 
@@ -29,31 +29,31 @@ private:
     double* out_;
 };
 
-void joints(const Pass& pass, int own, int count, const Pass::Columns& before, const Pass::Columns& here, double* out) noexcept {
+void joints(const Pass& pass, int start, int count, const Pass::Columns& before, const Pass::Columns& here, double* out) noexcept {
     const Pass::Joints joint = pass.joints_between(before, here);
     Forces forces(out);
     joint.on_front.apply(1.0, forces.data(), End::front);
     forces.data()[link_layout.x(End::rear, 0)] = joint.before;
     forces.data()[link_layout.y(End::rear, 0)] = joint.after;
-    forces.write(own, count);
+    forces.write(start, count);
 }
 
-void others(int part, const Pass& pass, int own, int count, const Pass::Columns& columns, double* out, LinkLoad* loads) noexcept {
+void others(int part, const Pass& pass, int start, int count, const Pass::Columns& columns, double* out, LinkLoad* loads) noexcept {
     Forces forces(out);
     V moment(0.0);
     NoBooks none;
-    if (part == 1) moment = pass.inner(pass.kinds(own, count), own, count, columns, forces.data(), none);
-    if (part == 2) pass.plates(pass.kinds(own, count), columns, forces.data(), none);
-    if (part == 4) pass.tips(own, count, columns, forces.data(), moment, loads);
+    if (part == 1) moment = pass.inner(pass.kinds(start, count), start, count, columns, forces.data(), none);
+    if (part == 2) pass.plates(pass.kinds(start, count), columns, forces.data(), none);
+    if (part == 4) pass.tips(start, count, columns, forces.data(), moment, loads);
     add_moment(columns.frame, moment, forces.data());
-    forces.write(own, count);
+    forces.write(start, count);
 }
 
 /// Velocities represent forces.
-void solve(const Pass& pass, int own, int count, const Pass::Columns& columns) noexcept {
+void solve(const Pass& pass, int start, int count, const Pass::Columns& columns) noexcept {
     std::array<V, size> f;
     std::copy_n(columns.v(), size, f.begin());
-    pass.solve(own, count, columns, f.data());
+    pass.solve(start, count, columns, f.data());
 }
 
 std::size_t lane_memory(int links) {
@@ -65,16 +65,16 @@ void run(int part, const ChainModel& model, const ChainRange& range, double* lan
     auto* columns = reinterpret_cast<Pass::Columns*>(lanes) + 1;  // before them those of the link before the first
     const int links = range.last - range.first;
     if (part == 0) pass.read(-width, columns[-1]);
-    for (int own = 0; own < links; own += width) {
-        const int count = std::min(width, links - own), group = own / width;
+    for (int start = 0; start < links; start += width) {
+        const int count = std::min(width, links - start), group = start / width;
         if (part == 0)
-            pass.read(own, columns[group]);
+            pass.read(start, columns[group]);
         else if (part == 3)
-            joints(pass, own, count, columns[group - 1], columns[group], out);
+            joints(pass, start, count, columns[group - 1], columns[group], out);
         else if (part == 5)
-            solve(pass, own, count, columns[group]);
+            solve(pass, start, count, columns[group]);
         else
-            others(part, pass, own, count, columns[group], out, loads);
+            others(part, pass, start, count, columns[group], out, loads);
     }
 }
 

@@ -42,7 +42,7 @@ void Problem::slope(double t, const double* state, double* slope) noexcept {
 template <class Visit>
 void Problem::visit_entries(Visit&& visit) const {
     const model::ChainLayout& at = variator_.layout();
-    const int own = at.link_size(), pulleys = at.pulley_size, border = blocks_.border();
+    const int coordinates = at.link_size(), pulleys = at.pulley_size, border = blocks_.border();
     // The place of an unknown of the border: with its rates, the control's integral behind them.
     const auto border_at = [&](int k, With with) {
         return k < pulleys ? at.pulley_begin() + (with == With::velocity ? pulleys : 0) + k : at.control_begin();
@@ -54,17 +54,19 @@ void Problem::visit_entries(Visit&& visit) const {
     };
     const auto accelerations_of_border = [&](int k) { return border_at(k, With::velocity); };
     for (int link = 0; link < at.links; ++link) {
-        const auto rows = [&](int i) { return at.link_begin(link) + own + i; };
-        for (int i = 0; i < own; ++i) visit(at.link_begin(link) + i, rows(i), 1.0);
+        const auto rows = [&](int i) { return at.link_begin(link) + coordinates + i; };
+        for (int i = 0; i < coordinates; ++i) visit(at.link_begin(link) + i, rows(i), 1.0);
         for (const With with : {With::position, With::velocity}) {
-            const int shift = with == With::velocity ? own : 0;
+            const int shift = with == With::velocity ? coordinates : 0;
             for (const auto& [near, other] : {std::pair{Near::before, at.previous(link)}, {Near::same, link}, {Near::after, at.next(link)}})
                 block(
-                    own, rows, own, [&, begin = at.link_begin(other) + shift](int k) { return begin + k; }, blocks_.link(link, near, with));
+                    coordinates, rows, coordinates, [&, begin = at.link_begin(other) + shift](int k) { return begin + k; },
+                    blocks_.link(link, near, with));
             block(
-                own, rows, border, [&](int k) { return border_at(k, with); }, blocks_.columns(link, with));
+                coordinates, rows, border, [&](int k) { return border_at(k, with); }, blocks_.columns(link, with));
             block(
-                border, accelerations_of_border, own, [&](int k) { return at.link_begin(link) + shift + k; }, blocks_.rows(link, with));
+                border, accelerations_of_border, coordinates, [&](int k) { return at.link_begin(link) + shift + k; },
+                blocks_.rows(link, with));
         }
     }
     for (int k = 0; k < pulleys; ++k) visit(at.pulley_begin() + k, at.pulley_begin() + pulleys + k, 1.0);

@@ -62,8 +62,9 @@ public:
     void phases_changed() noexcept override {
         touching_.clear();
         for (int link = 0; link < w_.layout().links; ++link) {
-            const model::Phase* own = w_.tips.phases.data() + model::tips_per_link * link;
-            if (std::any_of(own, own + model::tips_per_link, [](model::Phase phase) { return phase != model::Phase::free; }))
+            const model::Phase* first_phase = w_.tips.phases.data() + model::tips_per_link * link;
+            if (std::any_of(first_phase, first_phase + model::tips_per_link,
+                            [](model::Phase phase) { return phase != model::Phase::free; }))
                 touching_.push_back(link);  // within what was reserved
         }
     }
@@ -86,10 +87,10 @@ constexpr Field joint_account = own_field(4), link_account = own_field(5), tip_a
 /// Stage state of one segment's links.
 void combine_segment(void* workspace, int segment) noexcept {
     Workspace& w = of(workspace);
-    const Segment& own = w.partition[segment];
+    const Segment& bounds = w.partition[segment];
     const model::ChainLayout& layout = w.layout();
-    const int begin = layout.link_begin(own.first);
-    const int end = begin + own.size() * layout.link_block();
+    const int begin = layout.link_begin(bounds.first);
+    const int end = begin + bounds.size() * layout.link_block();
     double* state = memory_of(w).state() + begin;
     const std::size_t bytes = static_cast<std::size_t>(end - begin) * sizeof(double);
     if (w.step.evaluate_end) {
@@ -99,7 +100,7 @@ void combine_segment(void* workspace, int segment) noexcept {
         if (w.step.row.keep >= 0) std::memcpy(w.states[static_cast<std::size_t>(w.step.row.keep)] + begin, state, bytes);
     }
     if (!layout.ledger) return;
-    std::fill_n(w.links.accounts.begin() + model::account_parts * own.first, model::account_parts * own.size(), model::Account{});
+    std::fill_n(w.links.accounts.begin() + model::account_parts * bounds.first, model::account_parts * bounds.size(), model::Account{});
 }
 
 /// Contact forces of one batch of touching links; as many batches as segments, of equal size whatever the segments hold.
@@ -158,17 +159,17 @@ struct StageTasks {
 void add_force_stages(engine::TaskGraph& graph, const Workspace& w, StageTasks& tasks) {
     for (int s = 0; s < w.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
-        const auto own = [&] { return LinkAccesses(w, s); };
+        const auto of_links = [&] { return LinkAccesses(w, s); };
         tasks.combine.push_back(graph.add({"combine" + number, evaluate_cycle, combine_segment, s,
-                                           own()
-                                               .own(Field::states_read, false)
-                                               .own(Field::slopes_read, false)
-                                               .own(Field::end_state, false)
-                                               .own(Field::state_kept, true)
-                                               .own(stage_state, true)
-                                               .own(joint_account, true)
-                                               .own(link_account, true)
-                                               .own(tip_account, true)
+                                           of_links()
+                                               .inside(Field::states_read, false)
+                                               .inside(Field::slopes_read, false)
+                                               .inside(Field::end_state, false)
+                                               .inside(Field::state_kept, true)
+                                               .inside(stage_state, true)
+                                               .inside(joint_account, true)
+                                               .inside(link_account, true)
+                                               .inside(tip_account, true)
                                                .list()}));
         // Which links a batch holds depends on the phases: what it writes are the tips of those, which no other batch holds.
         tasks.contact.push_back(
@@ -176,8 +177,8 @@ void add_force_stages(engine::TaskGraph& graph, const Workspace& w, StageTasks& 
                        evaluate_cycle,
                        contact_batch,
                        s,
-                       {whole(w, stage_state, false), whole(w, Field::phase, false), own().segment(tip_forces, true).list()[0],
-                        own().segment(Field::load, true).list()[0], own().segment(tip_account, true).list()[0]},
+                       {whole(w, stage_state, false), whole(w, Field::phase, false), of_links().segment(tip_forces, true).list()[0],
+                        of_links().segment(Field::load, true).list()[0], of_links().segment(tip_account, true).list()[0]},
                        "contact forces"}));
     }
 }
@@ -186,19 +187,19 @@ void add_chain_stages(engine::TaskGraph& graph, const Workspace& w, StageTasks& 
     for (int s = 0; s < w.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
         const Segment segment = w.partition[s];  // whose pins have the number of the link behind them
-        const auto own = [&] { return LinkAccesses(w, s); };
+        const auto of_links = [&] { return LinkAccesses(w, s); };
         tasks.chain.push_back(graph.add({"chain" + number, evaluate_cycle, chain_segment, s,
-                                         own()
-                                             .own(stage_state, false)
-                                             .own(Field::slope_written, true)
-                                             .own(moment, true)
+                                         of_links()
+                                             .inside(stage_state, false)
+                                             .inside(Field::slope_written, true)
+                                             .inside(moment, true)
                                              .range(joint, segment.first + 1, segment.last, true)
                                              .range(joint_account, segment.first + 1, segment.last, true)
-                                             .own(link_account, true)
+                                             .inside(link_account, true)
                                              .list(),
                                          "chain forces"}));
         tasks.boundary.push_back(graph.add({"boundary" + number, evaluate_cycle, boundary_pin, s,
-                                            own()
+                                            of_links()
                                                 .with_halo(stage_state)
                                                 .range(joint, segment.first, segment.first + 1, true)
                                                 .range(joint_account, segment.first, segment.first + 1, true)
@@ -223,11 +224,12 @@ void add_solve_stages(engine::TaskGraph& graph, const Workspace& w, bool by_segm
     }
     for (int s = 0; s < w.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
-        auto reads = LinkAccesses(w, s).own(Field::slope_written, true).own(moment, false).with_halo(joint).own(stage_state, false).list();
+        auto reads =
+            LinkAccesses(w, s).inside(Field::slope_written, true).inside(moment, false).with_halo(joint).inside(stage_state, false).list();
         reads.push_back(whole(w, tip_forces, false));
         tasks.forward.push_back(graph.add({"forward" + number, evaluate_cycle, forward_segment, s, reads, cholesky}));
-        tasks.reverse.push_back(graph.add(
-            {"reverse" + number, evaluate_cycle, reverse_segment, s, LinkAccesses(w, s).own(Field::slope_written, true).list(), cholesky}));
+        tasks.reverse.push_back(graph.add({"reverse" + number, evaluate_cycle, reverse_segment, s,
+                                           LinkAccesses(w, s).inside(Field::slope_written, true).list(), cholesky}));
     }
 }
 

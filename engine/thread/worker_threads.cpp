@@ -65,12 +65,12 @@ struct alignas(apart) Cycle {
 };
 
 /// Answers each cycle that is opened, until a negative number is.
-void answer_cycles(const std::atomic<long>& opened, std::atomic<long>& own) noexcept {
+void answer_cycles(const std::atomic<long>& opened, std::atomic<long>& answer) noexcept {
     for (long cycle = 1;; ++cycle) {
         long now = 0;
         while ((now = opened.load(std::memory_order_acquire)) >= 0 && now < cycle) {}
         if (now < 0) return;
-        own.store(cycle, std::memory_order_release);
+        answer.store(cycle, std::memory_order_release);
     }
 }
 
@@ -105,7 +105,7 @@ double bare_barrier_cycle(int threads, double seconds, double longest_wait) noex
     std::vector<double> times;
     std::vector<std::jthread> others;
     const Leaving at_the_end{opened.number};
-    for (Cycle& own : answered) others.emplace_back([&opened, &own] { answer_cycles(opened.number, own.number); });
+    for (Cycle& slot : answered) others.emplace_back([&opened, &slot] { answer_cycles(opened.number, slot.number); });
     const auto meet = [&](long cycle) {
         opened.number.store(cycle, std::memory_order_release);
         return std::ranges::all_of(

@@ -101,7 +101,7 @@ void scale_relative(Matrix& matrix, int bodies, double factor) {
     for (int row = 0; row < bodies; ++row)
         for (int column = 0; column < bodies; ++column) whole.push_back(matrix(each * row, each * column));
     const Cholesky<double> translations(whole.data(), bodies);
-    Matrix own = matrix;  // without what relative motion carries along, in the rows and columns of relative motions
+    Matrix uncoupled = matrix;  // without what relative motion carries along, in the rows and columns of relative motions
     for (int column = 0; column < matrix.size; ++column) {
         std::array<double, 2> moved{};
         for (int body = 0; body < bodies; ++body) moved[static_cast<std::size_t>(body)] = matrix(each * body, column);
@@ -109,12 +109,13 @@ void scale_relative(Matrix& matrix, int bodies, double factor) {
         for (int row = 0; row < matrix.size; ++row) {
             double carried = 0.0;
             for (int body = 0; body < bodies; ++body) carried += matrix(each * body, row) * moved[static_cast<std::size_t>(body)];
-            own(row, column) -= carried;
+            uncoupled(row, column) -= carried;
         }
     }
     for (int row = 0; row < matrix.size; ++row) {
         for (int column = 0; column < matrix.size; ++column)
-            if (row % each != 0 && column % each != 0) matrix(row, column) += 0.5 * (factor - 1.0) * (own(row, column) + own(column, row));
+            if (row % each != 0 && column % each != 0)
+                matrix(row, column) += 0.5 * (factor - 1.0) * (uncoupled(row, column) + uncoupled(column, row));
     }
 }
 

@@ -143,11 +143,11 @@ void MeanCurve::save(std::vector<double>& memory) const {
 
 std::span<const double> MeanCurve::load(std::span<const double> memory) {
     const auto points = static_cast<std::size_t>(pop_integer(memory, 0, static_cast<int>(max_periods)));
-    const auto own = pop_front(memory, 4);
-    per_point_ = own[0];
-    since_point_ = own[1];
-    pin_period_ = own[2];
-    period_here_ = own[3];
+    const auto saved = pop_front(memory, 4);
+    per_point_ = saved[0];
+    since_point_ = saved[1];
+    pin_period_ = saved[2];
+    period_here_ = saved[3];
     const auto values = pop_front(memory, mean_count);
     std::copy(values.begin(), values.end(), values_.begin());
     std::memcpy(static_cast<void*>(&now_), pop_front(memory, point_numbers).data(), sizeof(MeanPoint));

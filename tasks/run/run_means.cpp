@@ -214,9 +214,9 @@ void RunMeans::save(std::vector<double>& memory) const {
 }
 
 std::span<const double> RunMeans::load(std::span<const double> memory) {
-    const auto own = pop_front(memory, 3);
-    next_check_ = own[0];
-    miss_ = {own[1], own[2]};
+    const auto saved = pop_front(memory, 3);
+    next_check_ = saved[0];
+    miss_ = {saved[1], saved[2]};
     return curve_.load(memory);
 }
 

@@ -47,11 +47,11 @@ std::string new_identity() {
 
 /// The record that `options.from` continues, renamed to make room for the new one; empty if there is none.
 std::string former_record(const RunOptions& options) {
-    const auto own = [&options](const std::string& file) { return is_record_of(*options.from, file); };
+    const auto same_run = [&options](const std::string& file) { return is_record_of(*options.from, file); };
     const auto yields = [&options](const std::string& file) {
         return !options.from->replaces.empty() && run_of_record(file) == options.from->replaces;
     };
-    return engine::set_aside(options.file.path(), {own, yields, options.replace});
+    return engine::set_aside(options.file.path(), {same_run, yields, options.replace});
 }
 
 std::vector<engine::Attribute> attributes_of_run(const Scene& scene, const std::string& run) {

@@ -68,8 +68,8 @@ std::string_view attribute_text(const engine::SavedState& saved, std::string_vie
 /// start_misfit() of a state that was settled with the scene `then`.
 [[nodiscard]] double misfit_between(const engine::SavedState& saved, const Scene& then, const Scene& scene) {
     if (model::Variator::same_machine(then.parameters, scene.parameters)) return 0.0;
-    const model::ChainLayout own = model::layout_of(then.parameters);
-    if (!contains_coordinates(saved, own) || !same_coordinates(own, model::layout_of(scene.parameters))) return 0.0;
+    const model::ChainLayout saved_layout = model::layout_of(then.parameters);
+    if (!contains_coordinates(saved, saved_layout) || !same_coordinates(saved_layout, model::layout_of(scene.parameters))) return 0.0;
     const auto before = elastic_energies(saved, then.parameters), now = elastic_energies(saved, scene.parameters);
     double change = 0.0, stored = 0.0;
     for (std::size_t kind = 0; kind < before.size(); ++kind) {
@@ -120,8 +120,8 @@ std::optional<model::ChainLayout> settled_layout(const engine::SavedState& saved
 }
 
 bool has_coordinates(const engine::SavedState& saved, const std::optional<model::ChainLayout>& settled, const Scene& scene) {
-    const model::ChainLayout own = model::layout_of(scene.parameters);
-    return contains_coordinates(saved, own) && (!settled || same_coordinates(*settled, own));
+    const model::ChainLayout scene_layout = model::layout_of(scene.parameters);
+    return contains_coordinates(saved, scene_layout) && (!settled || same_coordinates(*settled, scene_layout));
 }
 
 bool start_fits(const engine::SavedState& saved, const Scene& scene) {

@@ -63,12 +63,12 @@ std::vector<fs::path> scene_folders() {
         }
     }
     // bin/ or lib/ or lib/ARCHITECTURE/ beside share/
-    const fs::path own = own_folder();
-    fs::path folder = own;
+    const fs::path first_folder = own_folder();
+    fs::path folder = first_folder;
     for (int level = 0; level < 2 && folder.has_relative_path(); ++level)
         folders.push_back((folder = folder.parent_path()) / "share/cvtflow/scenes");
     // a build folder, up to three levels above
-    folder = own;
+    folder = first_folder;
     for (int level = 0; level < 4 && folder.has_relative_path(); ++level, folder = folder.parent_path()) {
         if (const std::string line = own_note(folder / "cvtflow-scenes.path"); !line.empty()) folders.emplace_back(line);
     }

@@ -114,10 +114,10 @@ void ScheduleChooser::tried_early(const Pace& pace) noexcept {
 }
 
 void ScheduleChooser::tried(const Pace& pace) noexcept {
-    Candidate& own = candidates_[static_cast<std::size_t>(now_)];
-    own.turns.push_back(pace.per_cycle);
+    Candidate& present = candidates_[static_cast<std::size_t>(now_)];
+    present.turns.push_back(pace.per_cycle);
     if (now_ != chosen_) budget_.tried(pace, work_);  // turns of the chosen one are work
-    own.out = now_ != 0 && pace.per_cycle > options_.abandon_factor * work_;
+    present.out = now_ != 0 && pace.per_cycle > options_.abandon_factor * work_;
     ++next_;
     next_turn();
 }

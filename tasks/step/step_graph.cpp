@@ -25,11 +25,11 @@ engine::TaskGraph fused_graph(const Workspace& w) {
                        .with_halo(Field::states_read)
                        .with_halo(Field::slopes_read)
                        .with_halo(Field::end_state)
-                       .own(Field::slope_written, true)
-                       .own(Field::state_kept, true)
-                       .own(Field::load, true)
-                       .own(Field::account, true)
-                       .own(Field::phase, false)
+                       .inside(Field::slope_written, true)
+                       .inside(Field::state_kept, true)
+                       .inside(Field::load, true)
+                       .inside(Field::account, true)
+                       .inside(Field::phase, false)
                        .segment(Field::window, true)
                        .list(),
                    "all forces (fused)"});
@@ -69,30 +69,32 @@ void add_transition_tasks(engine::TaskGraph& graph, const Workspace& w, int s, b
     if (detect)
         graph.add({"detect" + number, detect_cycle, detect_segment, s,
                    accesses()
-                       .own(Field::secant, true)
-                       .own(Field::phase, false)
-                       .own(Field::before, false)
-                       .own(Field::end_state, true)
-                       .own(Field::after, true)
-                       .own(Field::link_error, true)
+                       .inside(Field::secant, true)
+                       .inside(Field::phase, false)
+                       .inside(Field::before, false)
+                       .inside(Field::end_state, true)
+                       .inside(Field::after, true)
+                       .inside(Field::link_error, true)
                        .list(),
                    transition_stage});
-    graph.add({"locate" + number, locate_cycle, locate_segment, s,
-               accesses().with_near(Field::end_state).own(Field::phase, false).own(Field::before, false).own(Field::after, false).list(),
-               transition_stage});
-    graph.add({"truncate" + number, truncate_cycle, truncate_segment, s,
-               accesses().with_near(Field::end_state).own(Field::after, true).own(Field::cut_state, true).own(Field::phase, true).list(),
-               transition_stage});
+    graph.add(
+        {"locate" + number, locate_cycle, locate_segment, s,
+         accesses().with_near(Field::end_state).inside(Field::phase, false).inside(Field::before, false).inside(Field::after, false).list(),
+         transition_stage});
+    graph.add(
+        {"truncate" + number, truncate_cycle, truncate_segment, s,
+         accesses().with_near(Field::end_state).inside(Field::after, true).inside(Field::cut_state, true).inside(Field::phase, true).list(),
+         transition_stage});
 }
 
 void add_observe_task(engine::TaskGraph& graph, const Workspace& w, int s) {
     graph.add({"observe[" + std::to_string(s) + "]", observe_cycle, observe_segment, s,
                LinkAccesses(w, s)
                    .with_halo(Field::states_read)
-                   .own(Field::phase, false)
-                   .own(Field::load, true)
-                   .own(Field::account, true)
-                   .own(Field::cut_state, true)
+                   .inside(Field::phase, false)
+                   .inside(Field::load, true)
+                   .inside(Field::account, true)
+                   .inside(Field::cut_state, true)
                    .segment(Field::window, true)
                    .list()});
 }

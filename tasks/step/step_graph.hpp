@@ -61,7 +61,7 @@ class LinkAccesses {
 public:
     LinkAccesses(const Workspace& w, int segment) : layout_(w.layout()), own_(w.partition[segment]), segment_(segment) {}
 
-    LinkAccesses& own(Field field, bool write) { return range(field, own_.first, own_.last, write); }
+    LinkAccesses& inside(Field field, bool write) { return range(field, own_.first, own_.last, write); }
     LinkAccesses& with_halo(Field field) { return with_halo(field, layout_.halo()); }
     /// Reads of the range and of the neighbours that contact of its tips depends on.
     LinkAccesses& with_near(Field field) { return with_halo(field, layout_.probe_halo()); }
@@ -74,7 +74,7 @@ public:
 
 private:
     LinkAccesses& with_halo(Field field, int halo) {
-        own(field, false);
+        inside(field, false);
         for (int k = 0; k < std::min(halo, layout_.links - own_.size()); ++k) {
             neighbour(field, layout_.wrapped(own_.first - 1 - k));
             neighbour(field, layout_.wrapped(own_.last + k));

@@ -99,10 +99,10 @@ void Workspace::repartition(Partition parts) {
     }
 }
 
-void add_up(Workspace& w, const Segment& own) noexcept {
+void add_up(Workspace& w, const Segment& bounds) noexcept {
     constexpr int size = model::links_per_sum;
-    const int last = own.last == w.layout().links ? w.variator.sums() : own.last / size;
-    for (int group = (own.first + size - 1) / size; group < last; ++group)
+    const int last = bounds.last == w.layout().links ? w.variator.sums() : bounds.last / size;
+    for (int group = (bounds.first + size - 1) / size; group < last; ++group)
         w.variator.add_up(group, w.tips.phases.data(), w.links.loads.data(), w.links.sums[at(group)]);
 }
 

@@ -229,7 +229,7 @@ private:
 };
 
 /// Adds up the reactions of a segment's links, for sums that contain no link of another segment.
-void add_up(Workspace& w, const Segment& own) noexcept;
+void add_up(Workspace& w, const Segment& bounds) noexcept;
 /// Forces of the chain on the sheaves after an evaluate cycle; called by the controller.
 [[nodiscard]] model::SheaveForces sheave_forces(Workspace& w) noexcept;
 /// Angular momentum of both shafts with their sheaves; zero without pulleys [N·m·s].

@@ -123,8 +123,8 @@ TEST(IncludeRule, HeadersThatIncludeThirdPartiesArePrivate) {
         for (const Include& include : includes_of(file.text)) {
             if (!include.quoted || !hidden.contains(include.name)) continue;
             const bool further = file.path.starts_with("bench/executor/") && include.name.starts_with("engine/executor/");
-            const bool own = further || room_of(include.name) == room_of(file.path);  // further executors run in the same arenas
-            EXPECT_TRUE(own || file.part() == "tests") << where(file, include) << " is private to its folder";
+            const bool same_room = further || room_of(include.name) == room_of(file.path);  // further executors run in the same arenas
+            EXPECT_TRUE(same_room || file.part() == "tests") << where(file, include) << " is private to its folder";
         }
     }
 }

@@ -210,10 +210,10 @@ TEST(LocalNames, DifferFromThoseOfHeaders) {
     EXPECT_GT(shared.size(), 1000u) << "the scanner finds what headers declare";
     for (const SourceFile& file : source_files()) {
         if (file.header()) continue;
-        const std::string own = file.path.substr(0, file.path.rfind('.')) + ".hpp";
+        const std::string same_name = file.path.substr(0, file.path.rfind('.')) + ".hpp";
         for (const std::string& name : names_of(file.text).local) {
             const auto found = shared.find(name);
-            if (found == shared.end() || found->second.contains(own)) continue;
+            if (found == shared.end() || found->second.contains(same_name)) continue;
             ADD_FAILURE() << file.path << ": " << name << " is also declared by " << *found->second.begin();
         }
     }

@@ -152,10 +152,10 @@ model::Guide guides_without_play() {
 
 TEST(EnergyBalance, HoldsAtEveryInstantAndEveryLossIsPositive) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-        model::Parameters own = tiny();
-        own.detail.plates = seed % 2 == 0 ? model::PlateDetail::each : model::PlateDetail::lumped;
-        own.guide = guides_without_play();
-        expect_balance_at_every_instant(own, seed, "tiny");
+        model::Parameters varied = tiny();
+        varied.detail.plates = seed % 2 == 0 ? model::PlateDetail::each : model::PlateDetail::lumped;
+        varied.guide = guides_without_play();
+        expect_balance_at_every_instant(varied, seed, "tiny");
         for (const std::string& level : levels()) {
             model::Parameters p = at_level(tiny(), level);
             p.guide = guides_without_play();
@@ -237,14 +237,14 @@ Momentum momentum(const model::Variator& variator, const double* state) {
         const double* v = state + at.link_begin(link) + at.link_size();
         for (int direction = 0; direction < 2; ++direction) {
             const int begin = direction * size;
-            double own = 0.0;
+            double part = 0.0;
             for (const model::End end : {model::End::rear, model::End::front}) {
                 const int row = at.x(end, 0);
                 for (int column = 0; column < size; ++column)
-                    own += matrix[static_cast<std::size_t>(row * size + column)] * v[begin + column];
+                    part += matrix[static_cast<std::size_t>(row * size + column)] * v[begin + column];
             }
-            total.sum[static_cast<std::size_t>(direction)] += own;
-            total.size[static_cast<std::size_t>(direction)] += std::abs(own);
+            total.sum[static_cast<std::size_t>(direction)] += part;
+            total.size[static_cast<std::size_t>(direction)] += std::abs(part);
         }
     }
     return total;
@@ -265,10 +265,10 @@ TEST(EveryMethod, KeepsTheMomentumOfAFreeChain) {
 
 TEST(MassScaling, KeepsTheMomentumOfRotationOfAFreeChain) {
     model::Parameters p = ring();
-    const double own = spin(Rig(p).variator(), Rig(p).state());
+    const double parallel_spin = spin(Rig(p).variator(), Rig(p).state());
     p.detail.mass_scaling = 10.0;
     Rig rig(p);
-    EXPECT_EQ(spin(rig.variator(), rig.state()), own);  // pins start parallel to the axis
+    EXPECT_EQ(spin(rig.variator(), rig.state()), parallel_spin);  // pins start parallel to the axis
     push_links(rig);
     const double before = spin(rig.variator(), rig.state());
     ASSERT_FALSE(rig.run({0.0, 1e-6, 1e-8, 1e-7}));

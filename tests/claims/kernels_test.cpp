@@ -149,11 +149,11 @@ TEST_P(ElasticForces, AtRestAreTheSameWithMassScaling) {
     for (int link = 0; link < at.links; ++link)
         std::fill_n(still.state.begin() + at.link_begin(link) + at.link_size(), at.link_size(), 0.0);
     std::fill_n(still.state.begin() + at.pulley_begin() + at.pulley_size, at.pulley_size, 0.0);
-    const Gradient own(p, still);
+    const Gradient unscaled(p, still);
     p.detail.mass_scaling = 30.0;
     const Gradient slowed(p, still);
     for (int link = 0; link < at.links; ++link) {
-        const auto force = own.force(link), other = slowed.force(link);
+        const auto force = unscaled.force(link), other = slowed.force(link);
         const double largest =
             std::abs(*std::max_element(force.begin(), force.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
         // Through accelerations and back: matrices of a condition below 3000.

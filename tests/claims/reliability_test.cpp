@@ -90,10 +90,10 @@ void expect_settled_anew(const std::vector<std::string>& settings) {
                                                "start.settling_time=20 ms"});
     const RunReport ready = run_scene(scene, {});
     scene.state_file.clear();
-    const RunReport own = run_scene(scene, {});
+    const RunReport settled_alone = run_scene(scene, {});
     EXPECT_EQ(ready.status(), "finished") << settings.front() << ": balance error ratio " << ready.balance_error_ratio;
     EXPECT_TRUE(ready.settled) << settings.front();
-    EXPECT_EQ(ready.hash, own.hash) << settings.front();
+    EXPECT_EQ(ready.hash, settled_alone.hash) << settings.front();
 }
 
 TEST(Reliability, OfAReadyStateWhoseChainIsAnotherOne) { expect_settled_anew({"chain.pitch=[\"8.12 mm\",\"8.42 mm\",\"7.82 mm\"]"}); }

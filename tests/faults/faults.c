@@ -240,9 +240,9 @@ struct Start {
     void* argument;
 };
 static void* counted(void* start) {
-    const struct Start own = *(struct Start*)start;
+    const struct Start copy = *(struct Start*)start;
     free(start);
-    void* result = own.body(own.argument);
+    void* result = copy.body(copy.argument);
     atomic_fetch_sub(&living, 1);
     return result;
 }

@@ -176,10 +176,10 @@ protected:
         const std::string stated = table().attribute("continuation_error");
         write_sweep("\"6 N*m\", \"12 N*m\"", "40 us");
         ASSERT_EQ(run({"batch", "sweep.toml", "-o", "own"}).status, 0);
-        const double own = std::stod(column("slip_mean", "own").at(7)), continued = std::stod(column("slip_mean").at(7));
-        ASSERT_NE(own, continued);
+        const double separate = std::stod(column("slip_mean", "own").at(7)), continued = std::stod(column("slip_mean").at(7));
+        ASSERT_NE(separate, continued);
         EXPECT_THAT(stated, StartsWith(fmt::format("1 case, at most: slip mean {:.2g} ({:.2g} %), tight_tension max ",
-                                                   std::abs(continued - own), 100.0 * std::abs((continued - own) / own))));
+                                                   std::abs(continued - separate), 100.0 * std::abs((continued - separate) / separate))));
     }
 };
 

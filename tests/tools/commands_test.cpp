@@ -36,9 +36,9 @@ TEST_F(Commands, AreAllInTheHelp) {
     const Words names = commands_of(CVTFLOW_PROGRAM);
     EXPECT_EQ(names.size(), 17u);
     for (const std::string& name : names) {
-        const Outcome own = run({name, "--help"});
-        EXPECT_EQ(own.status, 0) << name;
-        EXPECT_THAT(own.out, HasSubstr("Usage: cvtflow " + name)) << name;
+        const Outcome shown = run({name, "--help"});
+        EXPECT_EQ(shown.status, 0) << name;
+        EXPECT_THAT(shown.out, HasSubstr("Usage: cvtflow " + name)) << name;
     }
 }
 

@@ -97,9 +97,9 @@ TEST_F(Errors, InTheProgramNameTheOtherOne) {
     };
     EXPECT_THAT(message(CVTFLOW_PROGRAM, "fit"), testing::HasSubstr("did you mean 'cvtflow.fit of the Python module'?"));
 #ifdef CVTFLOW_LAB
-    const Words own = commands_of(CVTFLOW_PROGRAM);
+    const Words product_commands = commands_of(CVTFLOW_PROGRAM);
     for (const std::string& command : commands_of(CVTFLOW_LAB)) {
-        if (std::find(own.begin(), own.end(), command) != own.end()) continue;  // both have it
+        if (std::find(product_commands.begin(), product_commands.end(), command) != product_commands.end()) continue;  // both have it
         EXPECT_THAT(message(CVTFLOW_PROGRAM, command), testing::HasSubstr("(cvtflow --help, or cvtflow-lab " + command + ")\n"));
     }
     EXPECT_EQ(message(CVTFLOW_LAB, "report"), "cvtflow-lab: no command 'report' (cvtflow-lab --help, or cvtflow report)\n");

@@ -68,8 +68,8 @@ double input_of(cvtflow::Simulation& simulation, std::size_t number) {
 }
 
 std::array<double, 4> tips_of(std::span<const double> tips, const cvtflow::model::ChainLayout& layout, int pin) {
-    const auto own = static_cast<std::size_t>(4 * pin), before = static_cast<std::size_t>(4 * layout.previous(pin));
-    return {tips[own], tips[own + 1], tips[before + 2], tips[before + 3]};
+    const auto present = static_cast<std::size_t>(4 * pin), before = static_cast<std::size_t>(4 * layout.previous(pin));
+    return {tips[present], tips[present + 1], tips[before + 2], tips[before + 3]};
 }
 
 /// Relative to the sheaves between which it runs.
@@ -78,8 +78,8 @@ double slip_of(const Live& now, const double* q, const std::array<double, 2>& sp
     const double* v = q + at.link_size();
     const bool second = q[at.x(End::rear, 0)] > 0.5 * now.centre_distance;
     const double dx = q[at.x(End::rear, 0)] - (second ? now.centre_distance : 0.0), dy = q[at.y(End::rear, 0)];
-    const double own = (dx * v[at.y(End::rear, 0)] - dy * v[at.x(End::rear, 0)]) / (dx * dx + dy * dy);
-    return speed[second ? 1 : 0] == 0.0 ? 0.0 : 1.0 - own / speed[second ? 1 : 0];
+    const double angular = (dx * v[at.y(End::rear, 0)] - dy * v[at.x(End::rear, 0)]) / (dx * dx + dy * dy);
+    return speed[second ? 1 : 0] == 0.0 ? 0.0 : 1.0 - angular / speed[second ? 1 : 0];
 }
 
 }  // namespace

@@ -163,16 +163,16 @@ LoadedScene load_scene(const SceneArguments& arguments) {
     const auto start = arguments.settle ? tasks::StartState::ignored : tasks::StartState::required;
     LoadedScene loaded{tasks::read_scene(tasks::find_scene(arguments.scene), start), {}};
     tasks::Scene& scene = loaded.scene;
-    const tasks::Scene own = scene;
+    const tasks::Scene stated = scene;
     const std::vector<Given> given = given_settings(arguments);
     if (!arguments.detail.empty()) apply_preset(scene, arguments.detail);
     apply_settings(scene, given);
-    const std::string changed = changes(own, scene);
-    if (!changed.empty() && !own.state_file.empty() && scene.state_file == own.state_file) {
+    const std::string changed = changes(stated, scene);
+    if (!changed.empty() && !stated.state_file.empty() && scene.state_file == stated.state_file) {
         apply_settings(scene, {{"start.state=", changed}});  // a geometric start, to which the chain may not close
-        loaded.notice = fmt::format("{}: the state in {} no longer fits; the run settles again", changed, own.state_file);
+        loaded.notice = fmt::format("{}: the state in {} no longer fits; the run settles again", changed, stated.state_file);
     }
-    require_member(scene, own.run.method, given);
+    require_member(scene, stated.run.method, given);
     std::vector<std::string> notices = tasks::idle_keys(scene);
     for (const std::string& notice : {bare_until(scene, given), loaded.notice})
         if (!notice.empty()) notices.insert(notices.begin(), notice);

@@ -30,7 +30,7 @@ struct PlaceAllocator {
     using value_type = Type;
     Place* place;
 
-    explicit PlaceAllocator(Place* own) noexcept : place(own) {}
+    explicit PlaceAllocator(Place* storage) noexcept : place(storage) {}
     template <class Other>
     PlaceAllocator(const PlaceAllocator<Other>& other) noexcept : place(other.place) {}  // NOLINT: as allocators do
 

@@ -23,9 +23,9 @@ Row sequence_weights(const std::vector<int>& sub_steps, std::size_t first, int p
     Row weights(sub_steps.size(), 0.0);
     for (std::size_t j = first; j < sub_steps.size(); ++j) {
         weights[j] = 1.0;
-        const double own = std::pow(sub_steps[j], power);
+        const double term = std::pow(sub_steps[j], power);
         for (std::size_t i = first; i < sub_steps.size(); ++i) {
-            if (i != j) weights[j] *= own / (own - std::pow(sub_steps[i], power));
+            if (i != j) weights[j] *= term / (term - std::pow(sub_steps[i], power));
         }
     }
     return weights;

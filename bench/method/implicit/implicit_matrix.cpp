@@ -87,14 +87,15 @@ void ImplicitMatrix::enter(int link, double theta, const AccelerationJacobian& j
     if (!touching) return;
     const double square = theta * theta;
     for (std::size_t c = 0; c < block.border.size(); ++c) {
-        const int unknown = block.border[c], own = static_cast<int>(c);
+        const int unknown = block.border[c], place = static_cast<int>(c);
         for (int row = 0; row < size_; ++row) {
             const int at = row * border_ + unknown;
-            block.columns[row * block.columns_stride + own] =
+            block.columns[row * block.columns_stride + place] =
                 -theta * j.columns(link, With::velocity)[at] - square * j.columns(link, With::position)[at];
         }
         const int at = unknown * size_;
-        enter_block(1, size_, theta, j.rows(link, With::velocity) + at, j.rows(link, With::position) + at, block.rows + own * size_, size_);
+        enter_block(1, size_, theta, j.rows(link, With::velocity) + at, j.rows(link, With::position) + at, block.rows + place * size_,
+                    size_);
     }
 }
 
@@ -102,16 +103,16 @@ void ImplicitMatrix::eliminate(int chunk, double theta, const AccelerationJacobi
     int* list = lists_.data() + chunk * border_;
     const int count = list_border(chunk, shafts, list);
     system_.clear(chunk, {list, static_cast<std::size_t>(count)});
-    const auto& own = range(chunk);
+    const auto& bounds = range(chunk);
     const auto enter_upper = [&](int link) {
         const bench::CyclicBorder::Block block = system_.block(link);
         enter_block(size_, size_, theta, j.link(link, Near::after, With::velocity), j.link(link, Near::after, With::position), block.upper,
                     block.upper_stride);
     };
-    enter_upper(own.first == 0 ? links_ - 1 : own.first - 1);  // of the separator before
-    for (int link = own.first; link < own.last; ++link) {
+    enter_upper(bounds.first == 0 ? links_ - 1 : bounds.first - 1);  // of the separator before
+    for (int link = bounds.first; link < bounds.last; ++link) {
         enter(link, theta, j, shafts[link].has_value());
-        if (link + 1 < own.last) enter_upper(link);
+        if (link + 1 < bounds.last) enter_upper(link);
     }
     sound_[static_cast<std::size_t>(chunk)] = system_.eliminate(chunk);
 }

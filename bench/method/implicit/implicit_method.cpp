@@ -30,10 +30,10 @@ void add_solution(ImplicitMethod& method, const ImplicitMatrix& matrix, int link
                            forward = engine::code_of<&ImplicitMethod::forward>(method),
                            backward = engine::code_of<&ImplicitMethod::backward>(method);
     for (int c = 0; c < chunks; ++c) {
-        const auto& own = matrix.range(c);
-        const engine::Access chunk{chunk_field, c, c + 1, true}, right{right_side_field, own.first, own.last, false};
+        const auto& bounds = matrix.range(c);
+        const engine::Access chunk{chunk_field, c, c + 1, true}, right{right_side_field, bounds.first, bounds.last, false};
         const std::vector<engine::Access> back{
-            {chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, own.first, own.last, true}};
+            {chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, bounds.first, bounds.last, true}};
         graph.order(graph.add({numbered("eliminate", c), factor_cycle, eliminate, c, {{jacobian_field, 0, links, false}, chunk}}), join);
         graph.order(graph.add({numbered("forward", c), solve_cycle, forward, c, {right, chunk}}), join_solution);
         graph.order(join_solution, graph.add({numbered("backward", c), solve_cycle, backward, c, back}));
@@ -58,11 +58,11 @@ ImplicitMethod::ImplicitMethod(Workspace& workspace)
 
 void ImplicitMethod::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
-        const Segment& own = w_.partition[s];
+        const Segment& bounds = w_.partition[s];
         const engine::TaskCode prepare = engine::code_of<&ImplicitMethod::prepare>(*this),
                                update = engine::code_of<&ImplicitMethod::update>(*this);
-        graph.add({numbered("prepare", s), prepare_cycle, prepare, s, {{right_side_field, own.first, own.last, true}}});
-        graph.add({numbered("update", s), update_cycle, update, s, {{jacobian_field, own.first, own.last, true}}});
+        graph.add({numbered("prepare", s), prepare_cycle, prepare, s, {{right_side_field, bounds.first, bounds.last, true}}});
+        graph.add({numbered("update", s), update_cycle, update, s, {{jacobian_field, bounds.first, bounds.last, true}}});
     }
     const int links = w_.layout().links;
     const engine::TaskCode batch = engine::code_of<&ImplicitMethod::jacobian_batch>(*this),

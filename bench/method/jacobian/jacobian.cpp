@@ -74,18 +74,18 @@ void link_jacobian(const ExactJacobian& exact, const Variator& variator, const d
     const Coefficients& c = variator.chain().coefficients();
     const ChainLayout& layout = variator.layout();
     const auto of = [&](int number) { return state + layout.link_begin(number); };
-    const double *before = of(layout.previous(link)), *own = of(link), *after = of(layout.next(link));
-    const DualFrame frame_before = dual_frame(before), frame = dual_frame(own), frame_after = dual_frame(after);
+    const double *before = of(layout.previous(link)), *here = of(link), *after = of(layout.next(link));
+    const DualFrame frame_before = dual_frame(before), frame = dual_frame(here), frame_after = dual_frame(after);
     LinkRows rows;
-    add_inner(c, c.kind(link), own, rows);
-    add_plates(c, c.kind(link), own, rows);
-    const JointLinks rear{before, own, frame_before, frame, 0}, front{own, after, frame, frame_after, 1};
+    add_inner(c, c.kind(link), here, rows);
+    add_plates(c, c.kind(link), here, rows);
+    const JointLinks rear{before, here, frame_before, frame, 0}, front{here, after, frame, frame_after, 1};
     JointRows(c, rear, true).add_to(rear, rows);
     JointRows(c, front, false).add_to(front, rows);
     for (const With with : {With::position, With::velocity}) std::fill_n(out.rows(link, with), LinkRows::size * out.border(), 0.0);
     stiffness[0] = stiffness[1] = {};
-    const auto shaft = touches(phases) ? std::optional(variator.chain().shaft_of(own)) : std::nullopt;
-    if (shaft) add_tips(exact, c, own, frame, phases, link, *shaft, sheaves, rows, out, stiffness);
+    const auto shaft = touches(phases) ? std::optional(variator.chain().shaft_of(here)) : std::nullopt;
+    if (shaft) add_tips(exact, c, here, frame, phases, link, *shaft, sheaves, rows, out, stiffness);
     rows.fold_moment(frame);
     rows.accelerate(variator.chain().inertia());
     store(exact, rows, link, shaft, out);
@@ -238,32 +238,32 @@ int ColouredJacobian::colour(int link) const noexcept {
 }
 
 void ColouredJacobian::evaluate(int batch, const BasePoint& base, AccelerationJacobian& out) noexcept {
-    Scratch& own = scratch_[static_cast<std::size_t>(batch)];
-    model::fill_window(variator_, base.state, own.evaluation);
-    std::copy_n(base.state + layout_.pulley_begin(), own.tail.size(), own.tail.begin());
+    Scratch& room = scratch_[static_cast<std::size_t>(batch)];
+    model::fill_window(variator_, base.state, room.evaluation);
+    std::copy_n(base.state + layout_.pulley_begin(), room.tail.size(), room.tail.begin());
     const auto cut = [&](int k) { return static_cast<int>(static_cast<long>(groups()) * k / batches()); };
     for (int group = cut(batch); group < cut(batch + 1); ++group) {
         if (group < chain_groups()) {
-            if (layout_.pulley_size != 0) variator_.pulleys().motions(base.state + layout_.pulley_begin(), own.evaluation.sheaves);
-            chain_group(group, base, own, out);
+            if (layout_.pulley_size != 0) variator_.pulleys().motions(base.state + layout_.pulley_begin(), room.evaluation.sheaves);
+            chain_group(group, base, room, out);
         } else {
-            pulley_group(group - chain_groups(), base, own, out);
+            pulley_group(group - chain_groups(), base, room, out);
         }
     }
 }
 
 /// Adds a step to one coordinate of every link of a colour in the window, which contains the first and the last link twice.
-void ColouredJacobian::move_colour(int which, int offset, double step, const BasePoint& base, Scratch& own) const noexcept {
+void ColouredJacobian::move_colour(int which, int offset, double step, const BasePoint& base, Scratch& room) const noexcept {
     for (int place = 0; place < layout_.links + 2; ++place) {
         const int link = (place + layout_.links - 1) % layout_.links;
         if (colour(link) == which)
-            own.evaluation.window[static_cast<std::size_t>(place * layout_.link_block() + offset)] =
+            room.evaluation.window[static_cast<std::size_t>(place * layout_.link_block() + offset)] =
                 base.state[layout_.link_begin(link) + offset] + step;
     }
 }
 
 /// Column of the pulleys' rows that one coordinate of a link fills through its reactions.
-void ColouredJacobian::reaction_column(int link, int column, With with, double step, const BasePoint& base, Scratch& own,
+void ColouredJacobian::reaction_column(int link, int column, With with, double step, const BasePoint& base, Scratch& room,
                                        AccelerationJacobian& out) const noexcept {
     double* rows = out.rows(link, with);
     const int size = layout_.link_size();
@@ -272,20 +272,20 @@ void ColouredJacobian::reaction_column(int link, int column, With with, double s
         return;
     }
     model::SheaveForces rate{};
-    add_rate(own.evaluation.loads[static_cast<std::size_t>(link)], base.loads[link], step, rate);
-    variator_.pulleys().slope(own.zero.data(), model::Inputs{}, rate, own.reaction.data(), nullptr);
+    add_rate(room.evaluation.loads[static_cast<std::size_t>(link)], base.loads[link], step, rate);
+    variator_.pulleys().slope(room.zero.data(), model::Inputs{}, rate, room.reaction.data(), nullptr);
     for (int row = 0; row < layout_.pulley_size; ++row)
-        rows[row * size + column] = own.reaction[static_cast<std::size_t>(layout_.pulley_size + row)];
+        rows[row * size + column] = room.reaction[static_cast<std::size_t>(layout_.pulley_size + row)];
 }
 
-void ColouredJacobian::chain_group(int group, const BasePoint& base, Scratch& own, AccelerationJacobian& out) const noexcept {
+void ColouredJacobian::chain_group(int group, const BasePoint& base, Scratch& room, AccelerationJacobian& out) const noexcept {
     const int size = layout_.link_size();
     const int which = group / (2 * size), offset = group % (2 * size), column = offset % size;
     const With with = offset < size ? With::position : With::velocity;
     const double step = with == With::position ? position_step : velocity_step;
-    move_colour(which, offset, step, base, own);
-    variator_.chain().slopes({0, layout_.links, own.evaluation.window.data(), own.evaluation.sheaves, base.phases}, own.slope.data(),
-                             own.evaluation.loads.data());
+    move_colour(which, offset, step, base, room);
+    variator_.chain().slopes({0, layout_.links, room.evaluation.window.data(), room.evaluation.sheaves, base.phases}, room.slope.data(),
+                             room.evaluation.loads.data());
     for (int link = 0; link < layout_.links; ++link) {
         if (colour(link) != which) continue;
         const double moved = base.state[layout_.link_begin(link) + offset];
@@ -294,32 +294,32 @@ void ColouredJacobian::chain_group(int group, const BasePoint& base, Scratch& ow
             double* block = out.link(of, near, with);
             const int begin = layout_.link_begin(of) + size;
             for (int row = 0; row < size; ++row)
-                block[row * size + column] = (own.slope[static_cast<std::size_t>(begin + row)] - base.slope[begin + row]) / taken;
+                block[row * size + column] = (room.slope[static_cast<std::size_t>(begin + row)] - base.slope[begin + row]) / taken;
         };
         fill(layout_.previous(link), Near::after);
         fill(link, Near::same);
         fill(layout_.next(link), Near::before);
-        if (out.border() != 0) reaction_column(link, column, with, taken, base, own, out);
+        if (out.border() != 0) reaction_column(link, column, with, taken, base, room, out);
     }
-    move_colour(which, offset, 0.0, base, own);
+    move_colour(which, offset, 0.0, base, room);
 }
 
 /// A pulley's coordinate or velocity, or the control integral, moves alone: the touching links and the pulleys depend on it.
-void ColouredJacobian::pulley_group(int index, const BasePoint& base, Scratch& own, AccelerationJacobian& out) const noexcept {
+void ColouredJacobian::pulley_group(int index, const BasePoint& base, Scratch& room, AccelerationJacobian& out) const noexcept {
     const int size = layout_.link_size(), half = layout_.pulley_size, border = out.border();
     const With with = index < half ? With::position : With::velocity;
     const int column = index < half ? index : index - half;  // the integral follows the velocities
     const double step = with == With::position ? position_step : velocity_step;
     const double stood = base.state[layout_.pulley_begin() + index];
-    own.tail[static_cast<std::size_t>(index)] = stood + step;
+    room.tail[static_cast<std::size_t>(index)] = stood + step;
     const double taken = (stood + step) - stood;
-    variator_.pulleys().motions(own.tail.data(), own.evaluation.sheaves);
-    variator_.chain().slopes({0, layout_.links, own.evaluation.window.data(), own.evaluation.sheaves, base.phases}, own.slope.data(),
-                             own.evaluation.loads.data());
-    variator_.close(base.time, own.tail.data(), variator_.sheave_forces(base.phases, own.evaluation.loads.data()), base.accounts,
-                    own.slope.data() + layout_.pulley_begin());
-    own.tail[static_cast<std::size_t>(index)] = stood;
-    const auto rate = [&](int at) { return (own.slope[static_cast<std::size_t>(at)] - base.slope[at]) / taken; };
+    variator_.pulleys().motions(room.tail.data(), room.evaluation.sheaves);
+    variator_.chain().slopes({0, layout_.links, room.evaluation.window.data(), room.evaluation.sheaves, base.phases}, room.slope.data(),
+                             room.evaluation.loads.data());
+    variator_.close(base.time, room.tail.data(), variator_.sheave_forces(base.phases, room.evaluation.loads.data()), base.accounts,
+                    room.slope.data() + layout_.pulley_begin());
+    room.tail[static_cast<std::size_t>(index)] = stood;
+    const auto rate = [&](int at) { return (room.slope[static_cast<std::size_t>(at)] - base.slope[at]) / taken; };
     for (int link = 0; link < layout_.links; ++link) {
         double* columns = out.columns(link, with);
         for (int row = 0; row < size; ++row) columns[row * border + column] = rate(layout_.link_begin(link) + size + row);

@@ -157,12 +157,12 @@ private:
 
     [[nodiscard]] int chain_groups() const noexcept { return 2 * colours_ * layout_.link_size(); }
     [[nodiscard]] int colour(int link) const noexcept;
-    void chain_group(int group, const BasePoint& base, Scratch& own, bench::AccelerationJacobian& out) const noexcept;
-    void pulley_group(int column, const BasePoint& base, Scratch& own, bench::AccelerationJacobian& out) const noexcept;
+    void chain_group(int group, const BasePoint& base, Scratch& room, bench::AccelerationJacobian& out) const noexcept;
+    void pulley_group(int column, const BasePoint& base, Scratch& room, bench::AccelerationJacobian& out) const noexcept;
     void move_colour(int colour, int offset, double step, const BasePoint& base,
-                     Scratch& own) const noexcept;  ///< step [disturbance: m or m/s]
+                     Scratch& room) const noexcept;  ///< step [disturbance: m or m/s]
     /// step [disturbance: m or m/s]
-    void reaction_column(int link, int column, bench::With with, double step, const BasePoint& base, Scratch& own,
+    void reaction_column(int link, int column, bench::With with, double step, const BasePoint& base, Scratch& room,
                          bench::AccelerationJacobian& out) const noexcept;
 
     const model::Variator& variator_;

@@ -384,20 +384,20 @@ public:
     }
 
     void add_to(LinkRows& rows) const noexcept {
-        double own[LinkRows::width];
-        const auto expanded = [&](const T& part) { expand(part, own); };
+        double link_row[LinkRows::width];
+        const auto expanded = [&](const T& part) { expand(part, link_row); };
         for (const bool along_x : {true, false}) {
             const auto place = [&](int m) { return along_x ? link_layout.x(end_, m) : link_layout.y(end_, m); };
             expanded(along_x ? effect_.action.total.x : effect_.action.total.y);
-            for (int m = 0; m < axis_terms; ++m) add(value_[m], own, rows.row(place(m)));
+            for (int m = 0; m < axis_terms; ++m) add(value_[m], link_row, rows.row(place(m)));
             expanded(along_x ? effect_.action.tilt_x : effect_.action.tilt_y);
-            for (int m = 1; m < axis_terms; ++m) add(slope_[m], own, rows.row(place(m)));
+            for (int m = 1; m < axis_terms; ++m) add(slope_[m], link_row, rows.row(place(m)));
         }
         expanded(effect_.action.total.z);
-        add(1.0, own, rows.row(link_layout.z(end_)));
-        add(sign_, own, rows.row(link_layout.e(end_)));
+        add(1.0, link_row, rows.row(link_layout.z(end_)));
+        add(sign_, link_row, rows.row(link_layout.e(end_)));
         expanded(effect_.action.moment);
-        add(1.0, own, rows.moment_row());
+        add(1.0, link_row, rows.moment_row());
         rows.moment += effect_.action.moment.value;
     }
 
@@ -407,13 +407,13 @@ public:
         constexpr int n = LinkRows::size;
         const T* loads[6] = {&effect_.reaction.force.x,  &effect_.reaction.force.y, &effect_.reaction.moment.x,
                              &effect_.reaction.moment.y, &effect_.reaction.force.z, &effect_.reaction.moment.z};
-        double own[LinkRows::width];
+        double link_row[LinkRows::width];
         for (std::size_t load = 0; load < 6; ++load) {
-            expand(*loads[load], own);
+            expand(*loads[load], link_row);
             for (const auto& effect : sheave.effects[load]) {
                 for (const With with : {With::position, With::velocity}) {
                     double* row = out.rows(link, with) + effect.coordinate * n;
-                    for (int k = 0; k < n; ++k) row[k] += effect.factor * own[LinkRows::column(1, with, k)];
+                    for (int k = 0; k < n; ++k) row[k] += effect.factor * link_row[LinkRows::column(1, with, k)];
                 }
             }
             for (std::size_t d = 0; d < sheave_directions; ++d) stiffness[load][d] += loads[load]->slope[first_of_sheave + d];

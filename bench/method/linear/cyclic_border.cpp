@@ -49,11 +49,11 @@ bool factorise(int size, double* a, int* exchanges) noexcept {
         const double head = a[k * size + k];
         if (!(std::abs(head) > 0.0) || !std::isfinite(head)) return false;
         for (int row = k + 1; row < size; ++row) {
-            double* __restrict own = a + row * size;
+            double* __restrict current = a + row * size;
             const double* __restrict top = a + k * size;
-            const double factor = own[k] / head;
-            own[k] = factor;
-            for (int j = k + 1; j < size; ++j) own[j] -= factor * top[j];
+            const double factor = current[k] / head;
+            current[k] = factor;
+            for (int j = k + 1; j < size; ++j) current[j] -= factor * top[j];
         }
     }
     return true;
@@ -65,10 +65,10 @@ void solve_factorised(int size, const double* lu, const int* exchanges, double* 
     }
     for (int row = 1; row < size; ++row) subtract_rows(row, columns, lu + row * size, x, stride, x + row * stride);
     for (int row = size - 1; row >= 0; --row) {
-        double* own = x + row * stride;
-        subtract_rows(size - 1 - row, columns, lu + row * size + row + 1, x + (row + 1) * stride, stride, own);
+        double* target = x + row * stride;
+        subtract_rows(size - 1 - row, columns, lu + row * size + row + 1, x + (row + 1) * stride, stride, target);
         const double inverse = 1.0 / lu[row * size + row];
-        for (int j = 0; j < columns; ++j) own[j] *= inverse;
+        for (int j = 0; j < columns; ++j) target[j] *= inverse;
     }
 }
 
@@ -117,11 +117,11 @@ void BlockChain::close_without_interior() noexcept {
 /// Outer rows, once block i is expressed by its successors: E_i x_i leaves -E_i D⁻¹[U | left | C]; the first part goes to the next block.
 void BlockChain::eliminate_outer(int i) noexcept {
     const int rows = size_ + active_;
-    const double* own = outer(i);
+    const double* outer_block = outer(i);
     const bool last = i + 1 == count_;
     double* next = last ? outer_sum_.data() : outer(i + 1);
-    subtract_product(rows, size_, size_, own, size_, panel(i), stride(), next, last ? stride() : size_);
-    subtract_product(rows, size_, size_ + active_, own, size_, panel(i) + size_, stride(), outer_sum_.data() + size_, stride());
+    subtract_product(rows, size_, size_, outer_block, size_, panel(i), stride(), next, last ? stride() : size_);
+    subtract_product(rows, size_, size_ + active_, outer_block, size_, panel(i) + size_, stride(), outer_sum_.data() + size_, stride());
 }
 
 bool BlockChain::eliminate() noexcept {
@@ -154,10 +154,10 @@ void BlockChain::forward(const double* f) noexcept {
     if (count_ == 0) return;
     std::copy_n(f, count_ * size_, solution_.data());
     for (int i = 0; i < count_; ++i) {
-        double* own = solution_.data() + i * size_;
-        if (i > 0) subtract_product(size_, size_, 1, lower(i), size_, own - size_, 1, own, 1);
-        solve_factorised(size_, diagonal(i), exchanges_.data() + i * size_, own, 1, 1);
-        subtract_product(size_ + active_, size_, 1, outer(i), size_, own, 1, outer_part_.data(), 1);
+        double* of_block = solution_.data() + i * size_;
+        if (i > 0) subtract_product(size_, size_, 1, lower(i), size_, of_block - size_, 1, of_block, 1);
+        solve_factorised(size_, diagonal(i), exchanges_.data() + i * size_, of_block, 1, 1);
+        subtract_product(size_ + active_, size_, 1, outer(i), size_, of_block, 1, outer_part_.data(), 1);
     }
     subtract_product(size_, size_, 1, right_lower_.data(), size_, solution_.data() + (count_ - 1) * size_, 1, right_part_.data(), 1);
 }
@@ -166,10 +166,10 @@ void BlockChain::backward(const double* left, const double* right, const double*
     std::copy(solution_.begin(), solution_.end(), x);
     for (int i = count_ - 1; i >= 0; --i) {
         const double* wide = panel_.data() + i * size_ * (2 * size_ + border_);
-        double* own = x + i * size_;
-        subtract_product(size_, size_, 1, wide, stride(), i + 1 < count_ ? own + size_ : right, 1, own, 1);
-        subtract_product(size_, size_, 1, wide + size_, stride(), left, 1, own, 1);
-        subtract_product(size_, active_, 1, wide + 2 * size_, stride(), y, 1, own, 1);
+        double* of_block = x + i * size_;
+        subtract_product(size_, size_, 1, wide, stride(), i + 1 < count_ ? of_block + size_ : right, 1, of_block, 1);
+        subtract_product(size_, size_, 1, wide + size_, stride(), left, 1, of_block, 1);
+        subtract_product(size_, active_, 1, wide + 2 * size_, stride(), y, 1, of_block, 1);
     }
 }
 
@@ -337,9 +337,9 @@ void CyclicBorder::join_solution(const double* f) noexcept {
 }
 
 void CyclicBorder::backward(int chunk, double* x) noexcept {
-    const Range& own = range(chunk);
-    inner(chunk).backward(known(previous(chunk)), known(chunk), seen_.data() + chunk * border_, x + own.first * size_);
-    std::copy_n(known(chunk), size_, x + (own.last - 1) * size_);
+    const Range& bounds = range(chunk);
+    inner(chunk).backward(known(previous(chunk)), known(chunk), seen_.data() + chunk * border_, x + bounds.first * size_);
+    std::copy_n(known(chunk), size_, x + (bounds.last - 1) * size_);
     if (chunk == 0) std::copy_n(known(chunks()), border_, x + blocks_ * size_);
 }
 

@@ -31,10 +31,10 @@ struct alignas(128) Grain {
 
 /// Arithmetic that depends on itself, so that its time is its number of instructions.
 void grind(void* context, int item) noexcept {
-    Grain& own = static_cast<Grain*>(context)[item];
-    double x = own.value;
-    for (long i = 0; i < own.length; ++i) x = x * 0.999999 + 1e-6;
-    own.value = x;
+    Grain& piece = static_cast<Grain*>(context)[item];
+    double x = piece.value;
+    for (long i = 0; i < piece.length; ++i) x = x * 0.999999 + 1e-6;
+    piece.value = x;
 }
 
 /// Time of an iteration on an idle processor: the least of many tries [s]. Called like by executors: a compiler that finds the result
@@ -219,11 +219,11 @@ std::vector<int> Granularity::tasks() const {
 }
 
 std::vector<GranularityPoint> Granularity::curve(const std::string& executor, int tasks) const {
-    std::vector<GranularityPoint> own;
+    std::vector<GranularityPoint> chosen;
     for (const GranularityPoint& point : points) {
-        if (point.executor == executor && point.tasks == tasks) own.push_back(point);
+        if (point.executor == executor && point.tasks == tasks) chosen.push_back(point);
     }
-    return own;
+    return chosen;
 }
 
 Granularity measure_granularity(const GranularityOptions& options, const std::function<void(const std::string&)>& progress) {

@@ -145,10 +145,10 @@ PitchSearch::PitchSearch(int pins, int lengths, double spread, double round)
 void PitchSearch::weigh(const std::vector<PitchSequence>& sequences, const std::vector<OrderPowers>& powers) {
     OrderPowers response(powers.front().size()), impulses(response);
     for (std::size_t k = 0; k < sequences.size(); ++k) {
-        const OrderPowers own = impulse_powers(sequences[k], spread_, static_cast<int>(response.size()) - 1);
+        const OrderPowers of_sequence = impulse_powers(sequences[k], spread_, static_cast<int>(response.size()) - 1);
         for (std::size_t n = 0; n < response.size(); ++n) {
             response[n] += powers[k][n];
-            impulses[n] += own[n];
+            impulses[n] += of_sequence[n];
         }
     }
     for (std::size_t n = 0; n < response.size(); ++n) response[n] /= impulses[n];

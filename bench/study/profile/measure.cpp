@@ -175,9 +175,9 @@ struct Samples {
     void add(const TrialSample& sample, double neighbours_cpu) {
         step.push_back(sample.per_step());
         evaluation.push_back(sample.wall / static_cast<double>(sample.evaluations));
-        const double own = std::max(0.0, sample.cpu - neighbours_cpu);
-        busy.push_back(own / sample.wall);
-        cpu.push_back(own / static_cast<double>(sample.steps));
+        const double run_cpu = std::max(0.0, sample.cpu - neighbours_cpu);
+        busy.push_back(run_cpu / sample.wall);
+        cpu.push_back(run_cpu / static_cast<double>(sample.steps));
     }
 };
 

@@ -50,15 +50,15 @@ double step_time(const PathCosts& costs, const Partition& partition, int threads
     for (int thread = 0, first = 0; thread < threads; ++thread) {
         const int last = first + segments / threads + (thread < segments % threads);  // as executors share
         double time = 0.0;
-        int own = 0;
+        int thread_links = 0;
         for (int s = first; s < last; ++s) {
             time += alone ? 0.0 : costs.border;
-            own += partition[s].size();
+            thread_links += partition[s].size();
             const SegmentCost cost = lanes_of(partition[s], touching, costs.lanes);
             time += costs.free * cost.free + costs.touching * cost.touching;
         }
         evaluation = std::max(evaluation, time);
-        detection = std::max(detection, costs.detect * own);
+        detection = std::max(detection, costs.detect * thread_links);
         first = last;
     }
     const double late = costs.jitter * std::sqrt(static_cast<double>(links) / threads) * expected_largest(threads);
@@ -318,12 +318,12 @@ void predict(std::vector<ScheduleResult>& results, const ProfileModel& model) {
         std::find_if(results.begin(), results.end(), [](const ScheduleResult& result) { return result.name == "serial:staged"; });
     for (ScheduleResult& result : results) {
         const int threads = result.schedule.threads;
-        const double own = threads == 1                     ? 0.0
-                           : result.cycle.active == threads ? std::max(0.0, result.cycle.seconds)
-                                                            : meeting(model.costs, threads, MeetingLaw::linear);
-        if (result.name.ends_with(":fused")) result.predicted = fused_prediction(result, model, own);
+        const double sync = threads == 1                     ? 0.0
+                            : result.cycle.active == threads ? std::max(0.0, result.cycle.seconds)
+                                                             : meeting(model.costs, threads, MeetingLaw::linear);
+        if (result.name.ends_with(":fused")) result.predicted = fused_prediction(result, model, sync);
         if (result.name.ends_with(":staged") && staged != results.end())
-            result.predicted = staged_prediction(result, *staged, results.front(), model, own);
+            result.predicted = staged_prediction(result, *staged, results.front(), model, sync);
     }
 }
 

@@ -28,18 +28,18 @@ struct alignas(128) Pieces {
 };
 
 /// Arithmetic that depends on itself (about 10 us): neither wider vectors nor a sibling on the same core change its time much.
-void piece(Pieces& own) noexcept {
-    double x = own.value;
+void piece(Pieces& mine) noexcept {
+    double x = mine.value;
     for (int i = 0; i < 3000; ++i) x = x * 0.999999 + 1e-6;
-    own.value = x;
+    mine.value = x;
 }
 
-void count_pieces(Pieces& own, PieceClock::time_point end) noexcept {
+void count_pieces(Pieces& mine, PieceClock::time_point end) noexcept {
     for (auto begin = PieceClock::now(); begin < end;) {
-        piece(own);
+        piece(mine);
         const auto now = PieceClock::now();
-        own.least = std::min(own.least, std::chrono::duration<double>(now - begin).count());
-        ++own.count;
+        mine.least = std::min(mine.least, std::chrono::duration<double>(now - begin).count());
+        ++mine.count;
         begin = now;
     }
 }
@@ -60,9 +60,9 @@ double processors_got(int threads, double seconds) {
     const double passed = std::max(seconds, std::chrono::duration<double>(PieceClock::now() - begin).count());
     double least = 1e9;
     long count = 0;
-    for (const Pieces& own : all) {
-        least = std::min(least, own.least);
-        count += own.count;
+    for (const Pieces& mine : all) {
+        least = std::min(least, mine.least);
+        count += mine.count;
     }
     return std::min(static_cast<double>(threads), static_cast<double>(count) * least / passed);
 }

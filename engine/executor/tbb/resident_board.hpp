@@ -281,15 +281,15 @@ bool ResidentBoardOn<Machine>::may_resume(int worker, std::uint64_t open, int& p
     const auto head_of = [&](int owner) noexcept {
         return head(owner, open, taken_[static_cast<std::size_t>(owner)].value.load(std::memory_order_relaxed));
     };
-    const Head own = head_of(worker);
-    if (own == Head::ready) return true;
-    bool blocked = own == Head::blocked;
+    const Head first_head = head_of(worker);
+    if (first_head == Head::ready) return true;
+    bool blocked = first_head == Head::blocked;
     if (blocked && polls_left > 0) {
         --polls_left;
         return false;
     }
     for (int owner = 0; owner < workers_; ++owner) {
-        const Head theirs = owner == worker ? own : head_of(owner);
+        const Head theirs = owner == worker ? first_head : head_of(owner);
         if (theirs == Head::ready) return true;
         blocked = blocked || theirs == Head::blocked;
     }
@@ -303,13 +303,13 @@ std::uint64_t ResidentBoardOn<Machine>::run_all(int worker, std::uint64_t open, 
     for (bool helps = false;;) {
         bool left = run_share(worker, worker, open, ran);
         if (!left || helps) {
-            const std::uint64_t own = ran;
+            const std::uint64_t ran_before = ran;
             for (int step = 1; step < workers_; ++step) {
                 const int owner = worker + step < workers_ ? worker + step : worker + step - workers_;
                 left = run_share(worker, owner, open, ran) || left;
             }
             if (!left) return ran;
-            if (ran > own) continue;
+            if (ran > ran_before) continue;
         }
         int polls_left = Machine::max_polls;
         waiter.until([&]() noexcept { return may_resume(worker, open, polls_left); });

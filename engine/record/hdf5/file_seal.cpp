@@ -45,11 +45,12 @@ std::array<std::byte, seal_size> seal_of(std::uint64_t length, const Checksum& c
 Seal inspect_seal(const InputFile& file) {
     std::array<std::byte, seal_size> found{};
     if (file.size() < seal_size || file.read(file.size() - seal_size, found.data(), seal_size) < seal_size) return Seal::none;
-    std::uint64_t length = 0, own = 0;
+    std::uint64_t length = 0, stored_sum = 0;
     std::memcpy(&length, found.data() + 8, sizeof length);
-    std::memcpy(&own, found.data() + 24, sizeof own);
+    std::memcpy(&stored_sum, found.data() + 24, sizeof stored_sum);
     // Inconsistent bytes are no seal: they may be any end of a file.
-    if (std::memcmp(found.data(), seal_mark.data(), seal_mark.size()) != 0 || own != Checksum().add(std::span(found).first(24)).value())
+    if (std::memcmp(found.data(), seal_mark.data(), seal_mark.size()) != 0 ||
+        stored_sum != Checksum().add(std::span(found).first(24)).value())
         return Seal::none;
     if (length != file.size() - seal_size) return Seal::broken;
     Checksum contents;

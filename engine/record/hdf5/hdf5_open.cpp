@@ -208,8 +208,8 @@ void inspect_dataset(hid_t file, const std::string& path) {
         try {
             const Series series(file, path, cells, cells == Cells::records ? 1 : 2);
             static_cast<void>(read_attributes(series.id()));
-            const Handle own(H5Dget_type(series.id()), H5Tclose, "");
-            const hid_t type = cells == Cells::records ? own.id() : H5T_NATIVE_DOUBLE;
+            const Handle stored_type(H5Dget_type(series.id()), H5Tclose, "");
+            const hid_t type = cells == Cells::records ? stored_type.id() : H5T_NATIVE_DOUBLE;
             std::vector<std::byte> row(series.width() * H5Tget_size(type));
             for (const std::size_t number : {std::size_t{0}, series.rows() - 1})
                 if (series.rows() > 0) series.read(type, number, 1, row.data(), row.size());

@@ -315,12 +315,12 @@ void sync_files_in(const std::string& folder) {
     if (syncfs(open_folder.number()) != 0) throw RecordError(folder + ": cannot write to disk: " + std::strerror(errno));
 }
 
-void remove_own_files(const fs::path& folder, const std::function<bool(const fs::path& file)>& own) {
+void remove_own_files(const fs::path& folder, const std::function<bool(const fs::path& file)>& replaceable) {
     std::error_code ignored;
     if (!fs::is_directory(fs::symlink_status(folder, ignored))) return;
     std::vector<fs::path> files;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-        if (fs::is_regular_file(entry.symlink_status(ignored)) && own(entry.path())) files.push_back(entry.path());
+        if (fs::is_regular_file(entry.symlink_status(ignored)) && replaceable(entry.path())) files.push_back(entry.path());
     for (const fs::path& file : files) fs::remove(file, ignored);
     fs::remove(folder, ignored);  // only if it is empty
 }

@@ -109,22 +109,22 @@ void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
     const auto name = [](const char* stage, int segment) { return stage + ("[" + std::to_string(segment) + "]"); };
     for (int s = 0; s < w_.partition.size(); ++s)
         graph.add({name("record", s), record_kick_cycle, engine::code_of<&FrictionLeapfrog::record>(*this), s,
-                   record_accesses(w_, s).own(Field::velocity_read, true).list()});
+                   record_accesses(w_, s).inside(Field::velocity_read, true).list()});
     kick_cycles.add_tasks(graph, w_, "stage", engine::code_of<&FrictionLeapfrog::stage>(*this), [](LinkAccesses& accesses) {
-        accesses.own(Field::force, false).own(Field::velocity_slope, true).own(Field::mean_tip_force, true);
+        accesses.inside(Field::force, false).inside(Field::velocity_slope, true).inside(Field::mean_tip_force, true);
     });
     for (int s = 0; s < w_.partition.size(); ++s)
         graph.add({name("finish", s), finish_kick_cycle, engine::code_of<&FrictionLeapfrog::finish>(*this), s,
                    LinkAccesses(w_, s)
-                       .own(Field::velocity_read, false)
-                       .own(Field::mean_tip_force, false)
-                       .own(Field::contact, false)
-                       .own(Field::phase, false)
-                       .own(Field::states_read, false)
+                       .inside(Field::velocity_read, false)
+                       .inside(Field::mean_tip_force, false)
+                       .inside(Field::contact, false)
+                       .inside(Field::phase, false)
+                       .inside(Field::states_read, false)
                        .segment(Field::window, false)
-                       .own(Field::state_kept, true)
-                       .own(Field::end_state, true)
-                       .own(Field::load, true)
+                       .inside(Field::state_kept, true)
+                       .inside(Field::end_state, true)
+                       .inside(Field::load, true)
                        .list()});
 }
 

@@ -125,21 +125,21 @@ KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<st
 void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment,
                         model::TipSearch* search) noexcept {
     SegmentFields::Fields& f = fields[segment];
-    const Segment& own = w.partition[segment];
+    const Segment& bounds = w.partition[segment];
     const double* window = advance_window(w, segment, friction.kernels().advance);
-    const int shift = fields.columns().shift(segment), begin = w.layout().link_begin(own.first);
-    const model::ChainRange range{own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, false};
-    model::LinkLoad* loads = normal_loads_.data() + own.first;
+    const int shift = fields.columns().shift(segment), begin = w.layout().link_begin(bounds.first);
+    const model::ChainRange range{bounds.first, bounds.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, false};
+    model::LinkLoad* loads = normal_loads_.data() + bounds.first;
     friction.record(range, drift, {w.states[0] + begin, f.contacts, f.of[frictionless], f.start}, loads, search);
     for (int row = 0; row < 3 * model::tips_per_link; ++row)
-        std::fill_n(f.mean_tip_forces.at(row, SegmentColumns::first), own.size(), 0.0F);
+        std::fill_n(f.mean_tip_forces.at(row, SegmentColumns::first), bounds.size(), 0.0F);
     fields.give(SegmentFields::contact_edges, f.contacts.columns, segment);
 }
 
 model::FrictionRange KickSystem::range_of(const Workspace& w, double time, const model::FloatColumns& velocity, int segment) noexcept {
-    const Segment& own = w.partition[segment];
-    return {own.first,
-            own.last,
+    const Segment& bounds = w.partition[segment];
+    return {bounds.first,
+            bounds.last,
             velocity.at(0, SegmentColumns::first - 1),
             velocity.stride(),
             fields[segment].scratch.data(),
@@ -151,10 +151,10 @@ model::FrictionRange KickSystem::range_of(const Workspace& w, double time, const
 bool KickSystem::finish(Workspace& w, int segment, bool with_secants) const noexcept {
     add_loads(w, segment);
     const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
+    const Segment& bounds = w.partition[segment];
     const model::FloatColumns& velocities = fields[segment].result;
-    const int begin = layout.link_begin(own.first);
-    return friction.kernels().end({.velocity = velocities.at(0, own.first + fields.columns().shift(segment)),
+    const int begin = layout.link_begin(bounds.first);
+    return friction.kernels().end({.velocity = velocities.at(0, bounds.first + fields.columns().shift(segment)),
                                    .stride = velocities.stride(),
                                    // still in the window that record() has filled
                                    .counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block(),
@@ -163,23 +163,23 @@ bool KickSystem::finish(Workspace& w, int segment, bool with_secants) const noex
                                    .secants = with_secants ? w.end_slope + begin : nullptr,
                                    .step = w.step.h,
                                    .limit = fastest_pin},
-                                  own.size());
+                                  bounds.size());
 }
 
 /// Loads of a segment's links since record(): the normal forces, and the mean reaction of the tips' friction.
 void KickSystem::add_loads(Workspace& w, int segment) const noexcept {
     const SegmentFields::Fields& f = fields[segment];
-    const Segment& own = w.partition[segment];
-    const int column = own.first + fields.columns().shift(segment);
+    const Segment& bounds = w.partition[segment];
+    const int column = bounds.first + fields.columns().shift(segment);
     friction.kernels().react({.forces = f.mean_tip_forces.at(0, column),
                               .stride = f.mean_tip_forces.stride(),
                               .arms = f.contacts.arms.at(0, column),
                               .arms_stride = f.contacts.arms.stride(),
-                              .phases = w.tips.phases.data() + model::tips_per_link * own.first,
-                              .normal = normal_loads_.data() + own.first,
-                              .loads = w.links.loads.data() + own.first},
-                             own.size());
-    if (w.layout().pulley_size != 0) add_up(w, own);
+                              .phases = w.tips.phases.data() + model::tips_per_link * bounds.first,
+                              .normal = normal_loads_.data() + bounds.first,
+                              .loads = w.links.loads.data() + bounds.first},
+                             bounds.size());
+    if (w.layout().pulley_size != 0) add_up(w, bounds);
 }
 
 }  // namespace cvtflow::tasks

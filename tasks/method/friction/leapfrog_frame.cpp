@@ -25,12 +25,12 @@ template <class Motion>
 /// A segment and those that hold the links beside it.
 [[nodiscard]] std::vector<int> near_segments(const Workspace& w, int segment) {
     const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
+    const Segment& bounds = w.partition[segment];
     std::vector<int> near{segment};
     for (int s = 0; s < w.partition.size(); ++s) {
         const Segment& other = w.partition[s];
         const auto holds = [&](int link) { return layout.wrapped(link) >= other.first && layout.wrapped(link) < other.last; };
-        if (s != segment && (holds(own.first - 1) || holds(own.last))) near.push_back(s);
+        if (s != segment && (holds(bounds.first - 1) || holds(bounds.last))) near.push_back(s);
     }
     return near;
 }
@@ -99,9 +99,9 @@ void LeapfrogFrame::save(std::vector<double>& memory) const {
 }
 
 std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
-    const auto own = pop_front(memory, 2);
-    continues_ = own[0] != 0.0;
-    length_ = own[1];
+    const auto saved = pop_front(memory, 2);
+    continues_ = saved[0] != 0.0;
+    length_ = saved[1];
     begun_ = -1e300;
     for (model::SheaveMotion& s : w_.pulleys.sheaves)
         for (double* velocity : velocities_of(s)) *velocity = pop_front(memory, 1)[0];
@@ -127,8 +127,8 @@ void PassCycles::add_tasks(engine::TaskGraph& graph, const Workspace& w, const c
             LinkAccesses accesses(w, s);
             accesses.with_halo(Field::contact)
                 .with_halo(even ? Field::velocity_read : Field::velocity_kept)
-                .own(Field::phase, false)
-                .own(even ? Field::velocity_kept : Field::velocity_read, true);
+                .inside(Field::phase, false)
+                .inside(even ? Field::velocity_kept : Field::velocity_read, true);
             more(accesses);
             const std::string number = rounds == 1 ? "" : std::string(", ") + noun + " " + std::to_string(round);
             graph.add({"friction[" + std::to_string(s) + "]" + number, first_ + k, code, item, accesses.list()});
@@ -146,10 +146,10 @@ LinkAccesses record_accesses(const Workspace& w, int s) {
     return LinkAccesses(w, s)
         .with_halo(Field::states_read)
         .with_halo(Field::slopes_read)
-        .own(Field::phase, false)
+        .inside(Field::phase, false)
         .segment(Field::window, true)
-        .own(Field::contact, true)
-        .own(Field::force, true);
+        .inside(Field::contact, true)
+        .inside(Field::force, true);
 }
 
 }  // namespace cvtflow::tasks

@@ -153,13 +153,13 @@ void SweepSystem::find_losses() const noexcept {
     }
     for (int s = 0; s < columns.segments(); ++s) {
         const SegmentFields::Fields& f = kick_.fields[s];
-        const Segment& own = columns.segment(s);
+        const Segment& bounds = columns.segment(s);
         mean_edges_.take(columns, means_[at(s)], s);
         constexpr double middle = 0.0;
         const model::FrictionRange range{
-            own.first, own.last,        means_[at(s)].at(0, SegmentColumns::first - 1), means_[at(s)].stride(), nullptr, nullptr,
-            middle,    columns.shift(s)};
-        kick_.friction.kernels().powers(kick_.friction, f.contacts, range, f.of[kept_now()], powers_.data() + own.first);
+            bounds.first, bounds.last,     means_[at(s)].at(0, SegmentColumns::first - 1), means_[at(s)].stride(), nullptr, nullptr,
+            middle,       columns.shift(s)};
+        kick_.friction.kernels().powers(kick_.friction, f.contacts, range, f.of[kept_now()], powers_.data() + bounds.first);
     }
     losses_ = Losses::known;
 }
@@ -203,17 +203,17 @@ SweepLeapfrog::SweepLeapfrog(Workspace& workspace)
 void SweepLeapfrog::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s)
         graph.add({"record[" + std::to_string(s) + "]", record_sweep_cycle, engine::code_of<&SweepLeapfrog::record>(*this), s,
-                   record_accesses(w_, s).own(Field::phase, decides_phases()).segment(Field::result, true).list()});
+                   record_accesses(w_, s).inside(Field::phase, decides_phases()).segment(Field::result, true).list()});
     sweep_cycles.add_tasks(graph, w_, "pass", engine::code_of<&SweepLeapfrog::sweep>(*this), [](LinkAccesses& accesses) {
-        accesses.own(Field::force, true)
-            .own(Field::mean_tip_force, true)
-            .own(Field::states_read, false)
+        accesses.inside(Field::force, true)
+            .inside(Field::mean_tip_force, true)
+            .inside(Field::states_read, false)
             .segment(Field::window, false)
-            .own(Field::state_kept, true)
-            .own(Field::end_state, true)
-            .own(Field::secant, true)
+            .inside(Field::state_kept, true)
+            .inside(Field::end_state, true)
+            .inside(Field::secant, true)
             .segment(Field::result, true)
-            .own(Field::load, true);
+            .inside(Field::load, true);
     });
     // The losses that the laws have at the state observed are replaced by what the last step's forces have done.
     const int others = graph.size();

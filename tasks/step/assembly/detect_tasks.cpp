@@ -100,9 +100,9 @@ void find_due(Workspace& w, int link, SegmentResult& result) noexcept {
 }
 
 template <int size>
-void secants_of_links(Workspace& w, const Segment& own) noexcept {
+void secants_of_links(Workspace& w, const Segment& bounds) noexcept {
     const double h = w.step.h;
-    for (int link = own.first; link < own.last; ++link) {
+    for (int link = bounds.first; link < bounds.last; ++link) {
         const int begin = w.layout().link_begin(link);
         const double* __restrict from = w.states[0] + begin + size;
         const double* __restrict to = w.end_state + begin + size;
@@ -114,20 +114,20 @@ void secants_of_links(Workspace& w, const Segment& own) noexcept {
 
 /// Slopes of a segment's links at the end of a step from its states at both ends: velocities, and the mean acceleration. (Those at the
 /// start are needed only if a transition is due: TransitionSearch::complete_start_slopes.)
-void make_secants(Workspace& w, const Segment& own) noexcept {
+void make_secants(Workspace& w, const Segment& bounds) noexcept {
     switch (w.layout().link_size()) {
-        case 8: return secants_of_links<8>(w, own);
-        case 12: return secants_of_links<12>(w, own);
-        case 16: return secants_of_links<16>(w, own);
-        default: return secants_of_links<20>(w, own);
+        case 8: return secants_of_links<8>(w, bounds);
+        case 12: return secants_of_links<12>(w, bounds);
+        case 16: return secants_of_links<16>(w, bounds);
+        default: return secants_of_links<20>(w, bounds);
     }
 }
 
 /// Local error of each link of a segment: the maximum does not depend on the segments.
 /// @param errors room for one link
-void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept {
+void estimate_errors(Workspace& w, const Segment& bounds, double* errors) noexcept {
     const model::ChainLayout& layout = w.layout();
-    for (int link = own.first; link < own.last; ++link) {
+    for (int link = bounds.first; link < bounds.last; ++link) {
         const int begin = layout.link_begin(link);
         engine::combine(w.step.error_row, w.step.h, w.slots(), begin, begin + layout.link_block(), errors);
         w.links.errors[at(link)] = w.step.error_scale.norm(errors, layout.link_size());
@@ -203,24 +203,25 @@ Fault find_fault(const Workspace& w, const double* state) noexcept {
 void detect_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
+    const Segment& bounds = w.partition[segment];
     SegmentResult& result = w.segment_results[at(segment)];
     result = {};
     if (!w.step.end_state_ready) {
-        engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(own.first),
-                        layout.link_begin(own.last - 1) + layout.link_block(), w.end_state + layout.link_begin(own.first));
+        engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(bounds.first),
+                        layout.link_begin(bounds.last - 1) + layout.link_block(), w.end_state + layout.link_begin(bounds.first));
     }
-    if (w.step.slopes_from_states()) make_secants(w, own);
-    if (w.step.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
+    if (w.step.slopes_from_states()) make_secants(w, bounds);
+    if (w.step.estimate_error) estimate_errors(w, bounds, w.windows[at(segment)].data());
     // States of the links beside it may not be written yet by other segments: they are combined once more.
     const int halo = layout.probe_halo();
-    const double* end = halo == 0 ? w.end_state + layout.link_begin(own.first) : fill_window(w, segment, halo) + halo * layout.link_block();
+    const double* end =
+        halo == 0 ? w.end_state + layout.link_begin(bounds.first) : fill_window(w, segment, halo) + halo * layout.link_block();
     if (layout.pulley_size != 0) {
-        w.variator.chain().probe_links(end, own.size(), w.pulleys.end_sheaves, w.parameters.detail.stick_slip,
-                                       w.tips.probes.data() + own.first);
+        w.variator.chain().probe_links(end, bounds.size(), w.pulleys.end_sheaves, w.parameters.detail.stick_slip,
+                                       w.tips.probes.data() + bounds.first);
     }
-    const bool sound = within(w.end_state + layout.link_begin(own.first), own.size() * layout.link_block(), fastest_pin);
-    for (int link = own.first; link < own.last; ++link) {
+    const bool sound = within(w.end_state + layout.link_begin(bounds.first), bounds.size() * layout.link_block(), fastest_pin);
+    for (int link = bounds.first; link < bounds.last; ++link) {
         if (!sound) check_motion(w, link, w.end_state + layout.link_begin(link), result);
         if (layout.pulley_size == 0 || result.fault) continue;
         const model::TipProbe& probe = w.tips.probes[at(link)];
@@ -228,7 +229,7 @@ void detect_segment(void* workspace, int segment) noexcept {
         check_contact(w, link, probe, result);
         if (is_far(w, link, probe)) continue;
         find_due(w, link, result);
-        if (near_contact(w, link)) check_middle(w, link, end + (link - own.first) * layout.link_block(), result);
+        if (near_contact(w, link)) check_middle(w, link, end + (link - bounds.first) * layout.link_block(), result);
     }
 }
 

@@ -15,11 +15,11 @@ using model::TipIndicator;
 
 /// Calls put(first link, links, place in a window) for a segment's links and `halo` on each side of them.
 template <class Put>
-void for_each_run(const model::ChainLayout& layout, const Segment& own, int halo, const Put& put) noexcept {
-    put(own.first, own.size(), halo);
+void for_each_run(const model::ChainLayout& layout, const Segment& bounds, int halo, const Put& put) noexcept {
+    put(bounds.first, bounds.size(), halo);
     for (int k = 0; k < halo; ++k) {
-        put(layout.wrapped(own.first + k - halo), 1, k);
-        put(layout.wrapped(own.last + k), 1, halo + own.size() + k);
+        put(layout.wrapped(bounds.first + k - halo), 1, k);
+        put(layout.wrapped(bounds.last + k), 1, halo + bounds.size() + k);
     }
 }
 
@@ -35,9 +35,9 @@ const double* copy_window(Workspace& w, int segment, const double* state) noexce
 }
 
 /// The accounts of a segment's links, all zero.
-[[nodiscard]] model::Account* cleared_accounts(Workspace& w, const Segment& own) noexcept {
-    model::Account* accounts = w.links.accounts.data() + model::account_parts * own.first;
-    std::fill(accounts, accounts + model::account_parts * own.size(), model::Account{});
+[[nodiscard]] model::Account* cleared_accounts(Workspace& w, const Segment& bounds) noexcept {
+    model::Account* accounts = w.links.accounts.data() + model::account_parts * bounds.first;
+    std::fill(accounts, accounts + model::account_parts * bounds.size(), model::Account{});
     return accounts;
 }
 
@@ -68,15 +68,15 @@ void sheaves_at(const Workspace& w, double theta, model::SheaveMotion* sheaves) 
 /// Tips of a segment's links at a share of the step, side by side: to workspace.tips.probes.
 void probe_segment(Workspace& w, int segment, double theta, const model::SheaveMotion* sheaves) noexcept {
     const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
+    const Segment& bounds = w.partition[segment];
     const int block = layout.link_block();
     double* window = w.windows[at(segment)].data();
-    for_each_run(layout, own, layout.probe_halo(), [&](int link, int links, int place) {
+    for_each_run(layout, bounds, layout.probe_halo(), [&](int link, int links, int place) {
         const int begin = layout.link_begin(link);
         w.interpolant().evaluate(theta, begin, begin + links * block, window + place * block);
     });
-    w.variator.chain().probe_links(window + layout.probe_halo() * block, own.size(), sheaves, w.parameters.detail.stick_slip,
-                                   w.tips.probes.data() + own.first);
+    w.variator.chain().probe_links(window + layout.probe_halo() * block, bounds.size(), sheaves, w.parameters.detail.stick_slip,
+                                   w.tips.probes.data() + bounds.first);
 }
 
 /// Earliest transition of one tip that may change, if any; probes of the links in the middle of the step must be there.
@@ -117,31 +117,31 @@ void change_phases(Workspace& w, int link, const TipIndicator* tips, SegmentResu
 void evaluate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
+    const Segment& bounds = w.partition[segment];
     const double* window = w.step.evaluate_end ? copy_window(w, segment, w.end_state) : fill_window(w, segment, layout.halo());
     if (!w.step.evaluate_end && w.step.row.keep >= 0) {
-        std::memcpy(w.states[at(w.step.row.keep)] + layout.link_begin(own.first), window + layout.halo() * layout.link_block(),
-                    at(own.size() * layout.link_block()) * sizeof(double));
+        std::memcpy(w.states[at(w.step.row.keep)] + layout.link_begin(bounds.first), window + layout.halo() * layout.link_block(),
+                    at(bounds.size() * layout.link_block()) * sizeof(double));
     }
-    const model::ChainRange range{own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data()};
-    double* slope = w.step.slope_out + layout.link_begin(own.first);
+    const model::ChainRange range{bounds.first, bounds.last, window, w.pulleys.sheaves, w.tips.phases.data()};
+    double* slope = w.step.slope_out + layout.link_begin(bounds.first);
     if (layout.ledger) {
-        w.variator.chain().observed_slopes(range, slope, w.links.loads.data() + own.first, cleared_accounts(w, own));
+        w.variator.chain().observed_slopes(range, slope, w.links.loads.data() + bounds.first, cleared_accounts(w, bounds));
     } else {
-        w.variator.chain().slopes(range, slope, w.links.loads.data() + own.first);
+        w.variator.chain().slopes(range, slope, w.links.loads.data() + bounds.first);
     }
-    if (layout.pulley_size != 0) add_up(w, own);
+    if (layout.pulley_size != 0) add_up(w, bounds);
 }
 
 void locate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
-    const Segment& own = w.partition[segment];
+    const Segment& bounds = w.partition[segment];
     SegmentResult& result = w.segment_results[at(segment)];
     constexpr double middle = 0.5;
     model::SheaveMotion sheaves[4];
     sheaves_at(w, middle, sheaves);
     probe_segment(w, segment, middle, sheaves);
-    for (int link = own.first; link < own.last; ++link) {
+    for (int link = bounds.first; link < bounds.last; ++link) {
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             if (!may_change(w, model::tips_per_link * link + corner)) continue;
             const Transition found = locate_tip(w, link, corner);
@@ -153,12 +153,12 @@ void locate_segment(void* workspace, int segment) noexcept {
 void truncate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
+    const Segment& bounds = w.partition[segment];
     SegmentResult& result = w.segment_results[at(segment)];
-    w.interpolant().evaluate(w.step.theta, layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
-                             w.cut_state + layout.link_begin(own.first));
+    w.interpolant().evaluate(w.step.theta, layout.link_begin(bounds.first), layout.link_begin(bounds.last - 1) + layout.link_block(),
+                             w.cut_state + layout.link_begin(bounds.first));
     probe_segment(w, segment, w.step.theta, w.pulleys.sheaves);
-    for (int link = own.first; link < own.last; ++link) {
+    for (int link = bounds.first; link < bounds.last; ++link) {
         TipIndicator* tips = w.tips.after.data() + model::tips_per_link * link;
         show(w.tips.probes[at(link)], tips);
         change_phases(w, link, tips, result);
@@ -193,14 +193,14 @@ const double* fill_window(Workspace& w, int segment, int halo) noexcept {
 void observe_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
-    const model::ChainRange range{own.first, own.last, copy_window(w, segment, w.states[0]), w.pulleys.observed_sheaves,
+    const Segment& bounds = w.partition[segment];
+    const model::ChainRange range{bounds.first, bounds.last, copy_window(w, segment, w.states[0]), w.pulleys.observed_sheaves,
                                   w.tips.phases.data()};
-    model::Account* accounts = cleared_accounts(w, own);
-    const int begin = layout.link_begin(own.first);
-    w.variator.chain().observed_slopes(range, w.cut_state + begin, w.links.loads.data() + own.first, accounts,
-                                       w.links.observed ? w.links.contacts.data() + own.first : nullptr);
-    w.variator.chain().book_kinetic(w.states[0] + begin, own.size(), accounts);
+    model::Account* accounts = cleared_accounts(w, bounds);
+    const int begin = layout.link_begin(bounds.first);
+    w.variator.chain().observed_slopes(range, w.cut_state + begin, w.links.loads.data() + bounds.first, accounts,
+                                       w.links.observed ? w.links.contacts.data() + bounds.first : nullptr);
+    w.variator.chain().book_kinetic(w.states[0] + begin, bounds.size(), accounts);
 }
 
 }  // namespace cvtflow::tasks

@@ -63,9 +63,9 @@ void World::run(Executor& executor, long cycles) {
 void World::body(void* world, int task) noexcept { static_cast<World*>(world)->run_task(static_cast<std::size_t>(task)); }
 
 void World::run_task(std::size_t task) noexcept {
-    Cell& own = cells_[task];
-    if (own.epoch == epoch_ || graph_.task(static_cast<int>(task)).cycle != cycle_) ++faults_;
-    std::uint64_t number = mix(own.number + task);
+    Cell& written = cells_[task];
+    if (written.epoch == epoch_ || graph_.task(static_cast<int>(task)).cycle != cycle_) ++faults_;
+    std::uint64_t number = mix(written.number + task);
     for (const std::size_t before : predecessors_[task]) {
         if (cells_[before].epoch != epoch_) ++faults_;
         number = mix(number ^ cells_[before].number);
@@ -74,7 +74,7 @@ void World::run_task(std::size_t task) noexcept {
         const auto until = std::chrono::steady_clock::now() + std::chrono::nanoseconds(task_time_);
         while (std::chrono::steady_clock::now() < until) {}
     }
-    own = {epoch_, number};
+    written = {epoch_, number};
 }
 
 void World::check_cycle() noexcept {

@@ -292,9 +292,9 @@ TEST(Share, SharesFollowEachOtherAndDifferByOneAtMost) {
         for (int parts = 1; parts < 10; ++parts) {
             int next = 0;
             for (int part = 0; part < parts; ++part) {
-                const auto own = share(numbers, part, parts);
-                EXPECT_EQ(static_cast<int>(own.size()), (tasks + parts - 1 - part) / parts) << tasks << " in " << parts;
-                for (const int task : own) EXPECT_EQ(task, next++);
+                const auto of_part = share(numbers, part, parts);
+                EXPECT_EQ(static_cast<int>(of_part.size()), (tasks + parts - 1 - part) / parts) << tasks << " in " << parts;
+                for (const int task : of_part) EXPECT_EQ(task, next++);
             }
             EXPECT_EQ(next, tasks);
         }

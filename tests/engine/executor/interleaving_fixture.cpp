@@ -64,15 +64,15 @@ void Interleavings::run_one() {
 
 /// Runs a worker up to its first operation.
 void Interleavings::begin(int worker) {
-    Worker& own = workers_[static_cast<std::size_t>(worker)];
-    own.absences = 0;
-    getcontext(&own.context);
-    own.context.uc_stack.ss_sp = own.stack.data();
-    own.context.uc_stack.ss_size = own.stack.size();
-    own.context.uc_link = nullptr;
-    makecontext(&own.context, reinterpret_cast<void (*)()>(&Interleavings::entry), 1, static_cast<unsigned>(worker));  // NOLINT
-    running_ = no_worker - 1 - worker;                                                                                 // it begins
-    swapcontext(&main_, &own.context);
+    Worker& started = workers_[static_cast<std::size_t>(worker)];
+    started.absences = 0;
+    getcontext(&started.context);
+    started.context.uc_stack.ss_sp = started.stack.data();
+    started.context.uc_stack.ss_size = started.stack.size();
+    started.context.uc_link = nullptr;
+    makecontext(&started.context, reinterpret_cast<void (*)()>(&Interleavings::entry), 1, static_cast<unsigned>(worker));  // NOLINT
+    running_ = no_worker - 1 - worker;                                                                                     // it begins
+    swapcontext(&main_, &started.context);
 }
 
 void Interleavings::entry(unsigned worker) {
@@ -143,17 +143,17 @@ int Interleavings::choose_worker() {
 
 /// The running worker is before an operation, or has ended: the chosen one continues.
 void Interleavings::pass_on() {
-    Worker& own = self();
+    Worker& leaving = self();
     const int next = choose_worker();
     if (next == running_) return;
     if (next < 0) {
         const bool all = std::all_of(workers_.begin(), workers_.begin() + options_.workers,
                                      [](const Worker& each) { return each.pending.kind == Pending::Kind::ended; });
         if (!all && !pruned_) leave("workers wait for ever");
-        swapcontext(&own.context, &main_);
+        swapcontext(&leaving.context, &main_);
     }
     running_ = next;
-    swapcontext(&own.context, &workers_[static_cast<std::size_t>(next)].context);
+    swapcontext(&leaving.context, &workers_[static_cast<std::size_t>(next)].context);
 }
 
 void Interleavings::announce(Pending pending) {
@@ -226,27 +226,27 @@ int ModelMemory::add_atomic(std::uint64_t value) {
 }
 
 std::uint64_t ModelMemory::see(int atomic, std::size_t which, bool acquires) {
-    Sight& own = self();
+    Sight& sight = self();
     const auto a = static_cast<std::size_t>(atomic);
     const Store& store = stores_[a][which];
-    own.view[a] = std::max(own.view[a], static_cast<std::uint16_t>(which));
-    own.seen[a] = static_cast<std::uint16_t>(which);
-    own.read |= bit(a);
-    if (acquires) join(own.clock, store.clock), join(own.view, store.view);
+    sight.view[a] = std::max(sight.view[a], static_cast<std::uint16_t>(which));
+    sight.seen[a] = static_cast<std::uint16_t>(which);
+    sight.read |= bit(a);
+    if (acquires) join(sight.clock, store.clock), join(sight.view, store.view);
     machine_.note(" sees atomic ", atomic, store.value);
     return store.value;
 }
 
 /// @param continues a release sequence of the store before
 void ModelMemory::put(int atomic, std::uint64_t value, bool releases, bool continues) {
-    Sight& own = self();
+    Sight& sight = self();
     std::vector<Store>& stores = stores_[static_cast<std::size_t>(atomic)];
     Store store{value, {}, {}};
     if (continues) store.clock = stores.back().clock, store.view = stores.back().view;
-    own.view[static_cast<std::size_t>(atomic)] = static_cast<std::uint16_t>(stores.size());
-    if (releases) join(store.clock, own.clock), join(store.view, own.view);
+    sight.view[static_cast<std::size_t>(atomic)] = static_cast<std::uint16_t>(stores.size());
+    if (releases) join(store.clock, sight.clock), join(store.view, sight.view);
     stores.push_back(store);
-    ++own.clock[static_cast<std::size_t>(machine_.running())];
+    ++sight.clock[static_cast<std::size_t>(machine_.running())];
     machine_.note(" sets atomic ", atomic, value);
 }
 
@@ -307,12 +307,12 @@ std::uint64_t ModelMemory::change(int atomic, std::uint64_t old, const Place& wh
 }
 
 void ModelMemory::rest() {
-    Sight& own = self();
-    machine_.announce({Pending::Kind::rest, -1, 0, own.read});
+    Sight& sight = self();
+    machine_.announce({Pending::Kind::rest, -1, 0, sight.read});
     for (std::size_t atomic = 0; atomic < stores_.size(); ++atomic) {
-        if ((own.read & bit(atomic)) != 0) own.view[atomic] = static_cast<std::uint16_t>(stores_[atomic].size() - 1);
+        if ((sight.read & bit(atomic)) != 0) sight.view[atomic] = static_cast<std::uint16_t>(stores_[atomic].size() - 1);
     }
-    own.read = 0;
+    sight.read = 0;
 }
 
 int ModelMemory::add_cell() {
@@ -321,17 +321,17 @@ int ModelMemory::add_cell() {
 }
 
 void ModelMemory::touch(int cell, bool write) {
-    Sight& own = self();
+    Sight& sight = self();
     const auto me = static_cast<std::size_t>(machine_.running());
     Cell& it = cells_[static_cast<std::size_t>(cell)];
-    bool race = it.writer >= 0 && own.clock[static_cast<std::size_t>(it.writer)] < it.written;
-    for (std::size_t reader = 0; write && reader < it.read.size(); ++reader) race = race || own.clock[reader] < it.read[reader];
+    bool race = it.writer >= 0 && sight.clock[static_cast<std::size_t>(it.writer)] < it.written;
+    for (std::size_t reader = 0; write && reader < it.read.size(); ++reader) race = race || sight.clock[reader] < it.read[reader];
     machine_.note(write ? " writes cell " : " reads cell ", cell, 0);
     if (race) machine_.leave("race at the last of these:");
     if (write) {
-        it.writer = machine_.running(), it.written = own.clock[me];
+        it.writer = machine_.running(), it.written = sight.clock[me];
     } else {
-        it.read[me] = own.clock[me];
+        it.read[me] = sight.clock[me];
     }
 }
 

@@ -110,8 +110,8 @@ TEST(AmongNeighbours, LeaveNoThreadsBehind) {
         const int before = test::thread_count();
         for (int repetition = 0; repetition < 200; ++repetition) run();
         EXPECT_LE(test::thread_count(), before + static_cast<int>(std::thread::hardware_concurrency()));
-        for (const char* own : {"barrier", "serial", "asio_pool", "taskflow"}) {  // whose threads end with the run
-            if (each.row->name != own) continue;
+        for (const char* ends_with_run : {"barrier", "serial", "asio_pool", "taskflow"}) {  // whose threads end with the run
+            if (each.row->name != ends_with_run) continue;
             EXPECT_EQ(test::thread_count(), before);
         }
     });

@@ -95,15 +95,15 @@ TEST_F(TornTable, IsKnownByItsTextUnlessItWasFinished) {
 
 TEST_F(TornTable, IsReplacedIfItsBeginningWasTornAndNoRecordWas) {
     const std::string part = file_ + ".part", signature = "\x89HDF\r\n\x1a\n\x03";
-    const IsOwn own = table_with("definition", "of this sweep");
+    const IsOwn same_sweep = table_with("definition", "of this sweep");
     const auto is_own = [&](const std::string& mark) {
         std::ofstream(part, std::ios::binary) << signature << std::string(20'000, '\0') << mark;
-        return own(part);
+        return same_sweep(part);
     };
     EXPECT_TRUE(is_own("a page of attributes"));
     EXPECT_FALSE(is_own("cvtflow run"));
     std::filesystem::rename(part, file_);
-    EXPECT_FALSE(own(file_));  // finished tables are never torn
+    EXPECT_FALSE(same_sweep(file_));  // finished tables are never torn
 }
 
 using Claims = RecordTest;

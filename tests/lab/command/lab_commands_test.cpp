@@ -26,9 +26,9 @@ TEST_F(LabCommands, HaveAHelpEach) {
     const Words names = commands_of(CVTFLOW_LAB);
     EXPECT_GE(names.size(), 10u);
     for (const std::string& name : names) {
-        const Outcome own = run({laboratory, name, "--help"});
-        EXPECT_EQ(own.status, 0) << name;
-        EXPECT_THAT(own.out, HasSubstr("Usage: cvtflow-lab " + name)) << name;
+        const Outcome help = run({laboratory, name, "--help"});
+        EXPECT_EQ(help.status, 0) << name;
+        EXPECT_THAT(help.out, HasSubstr("Usage: cvtflow-lab " + name)) << name;
     }
 }
 

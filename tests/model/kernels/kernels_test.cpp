@@ -326,9 +326,9 @@ void expect_plain_bits(int links, bool with_secants) {
     Links plain(links);
     plain.finish_plainly(with_secants);
     for (const Isa isa : usable_isas()) {
-        Links own(links);
-        EXPECT_TRUE(own.finish(isa, with_secants)) << "NaN beside the links has no effect";
-        for (const auto& [is, expected] : {std::pair{&own.end, &plain.end}, {&own.secants, &plain.secants}}) {
+        Links computed(links);
+        EXPECT_TRUE(computed.finish(isa, with_secants)) << "NaN beside the links has no effect";
+        for (const auto& [is, expected] : {std::pair{&computed.end, &plain.end}, {&computed.secants, &plain.secants}}) {
             EXPECT_EQ(std::memcmp(is->data(), expected->data(), is->size() * sizeof(double)), 0)
                 << name_of(isa) << ", " << links << " links";
         }
@@ -342,15 +342,15 @@ TEST(StepEnd, HasTheBitsOfAPlainLoopForEveryNumberOfLinks) {
 /// Whether links are sound of which one number is another one.
 bool sound_with(Isa isa, int link, bool coordinate, double number) {
     constexpr int links = 19;
-    Links own(links);
-    const int place = 2 * own.size * link + 5;
+    Links computed(links);
+    const int place = 2 * computed.size * link + 5;
     if (coordinate) {
-        own.start[static_cast<std::size_t>(place)] = number;
+        computed.start[static_cast<std::size_t>(place)] = number;
     } else {  // nothing but what it counts from: a float cannot have every double
-        *own.velocity.at(5, 1 + link) = 0.0F;
-        own.counted_from[static_cast<std::size_t>(place + own.size)] = number;
+        *computed.velocity.at(5, 1 + link) = 0.0F;
+        computed.counted_from[static_cast<std::size_t>(place + computed.size)] = number;
     }
-    return own.finish(isa, true);
+    return computed.finish(isa, true);
 }
 
 TEST(StepEnd, NoticesEveryNumberThatIsBeyondTheLimitOrNone) {

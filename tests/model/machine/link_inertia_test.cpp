@@ -144,12 +144,12 @@ TEST(LinkInertia, IsTheKineticEnergyOfItsMasses) {
 
 /// Inertia of one direction as it is and as it is with mass scaling; coordinates that move a half without tilting it come first of each.
 struct Scaled {
-    Eigen::MatrixXd own, slowed;
+    Eigen::MatrixXd unscaled, slowed;
 
-    [[nodiscard]] int each() const { return static_cast<int>(own.rows()) / 2; }
+    [[nodiscard]] int each() const { return static_cast<int>(unscaled.rows()) / 2; }
     [[nodiscard]] std::vector<int> chosen(bool translations) const {
         std::vector<int> list;
-        for (int k = 0; k < own.rows(); ++k) {
+        for (int k = 0; k < unscaled.rows(); ++k) {
             if ((k % each() == 0) == translations) list.push_back(k);
         }
         return list;
@@ -162,21 +162,22 @@ constexpr double factor = 30.0;
 template <class Check>
 void for_every_direction(const Check& check) {
     for_every_detail([&](Parameters p) {
-        const LinkInertia own = link_inertia(p);
+        const LinkInertia unscaled = link_inertia(p);
         p.detail.mass_scaling = factor;
         const LinkInertia slowed = link_inertia(p);
         const auto matrix = [](const double* rows, int size) {
             return Eigen::MatrixXd(Eigen::Map<const Eigen::MatrixXd>(rows, size, size));
         };
-        check(Scaled{matrix(own.lateral_matrix.data(), own.lateral.size), matrix(slowed.lateral_matrix.data(), own.lateral.size)});
-        check(Scaled{matrix(own.axial_matrix.data(), own.axial.size), matrix(slowed.axial_matrix.data(), own.axial.size)});
+        check(Scaled{matrix(unscaled.lateral_matrix.data(), unscaled.lateral.size),
+                     matrix(slowed.lateral_matrix.data(), unscaled.lateral.size)});
+        check(Scaled{matrix(unscaled.axial_matrix.data(), unscaled.axial.size), matrix(slowed.axial_matrix.data(), unscaled.axial.size)});
     });
 }
 
 TEST(MassScaling, LeavesMomentumOfEveryTranslationToTheBit) {
     for_every_direction([](const Scaled& of) {
         EXPECT_LT((of.slowed - of.slowed.transpose()).norm(), 1e-15 * of.slowed.norm());
-        for (const int row : of.chosen(true)) EXPECT_EQ(of.slowed.row(row), of.own.row(row));
+        for (const int row : of.chosen(true)) EXPECT_EQ(of.slowed.row(row), of.unscaled.row(row));
     });
 }
 
@@ -187,10 +188,10 @@ TEST(MassScaling, MultipliesTheEnergyOfMotionWithoutMomentum) {
     int compared = 0;
     for_every_direction([&](const Scaled& of) {
         const std::vector<int> translations = of.chosen(true), relative = of.chosen(false);
-        Eigen::VectorXd v = Eigen::VectorXd::NullaryExpr(of.own.rows(), [&] { return any(random); });
-        const Eigen::VectorXd momentum = of.own(translations, relative) * v(relative);
-        v(translations) = -Eigen::MatrixXd(of.own(translations, translations)).llt().solve(momentum);
-        const double expected = factor * v.dot(of.own * v);
+        Eigen::VectorXd v = Eigen::VectorXd::NullaryExpr(of.unscaled.rows(), [&] { return any(random); });
+        const Eigen::VectorXd momentum = of.unscaled(translations, relative) * v(relative);
+        v(translations) = -Eigen::MatrixXd(of.unscaled(translations, translations)).llt().solve(momentum);
+        const double expected = factor * v.dot(of.unscaled * v);
         EXPECT_NEAR(v.dot(of.slowed * v), expected, 1e-13 * expected);  // some tens of roundings
         ++compared;
     });
@@ -199,12 +200,12 @@ TEST(MassScaling, MultipliesTheEnergyOfMotionWithoutMomentum) {
 
 TEST(MassScaling, LowersFrequenciesOfAFreePinByItsSquareRoot) {
     for_every_direction([](const Scaled& of) {
-        Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(of.own.rows(), of.own.rows());
+        Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(of.unscaled.rows(), of.unscaled.rows());
         for (const int k : of.chosen(false)) stiffness(k, k) = 1e8 * (1.0 + k);  // springs that hold the pin to itself
-        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> own(stiffness, of.own), slowed(stiffness, of.slowed);
-        const double largest = own.eigenvalues().maxCoeff();
-        for (Eigen::Index k = 0; k < of.own.rows(); ++k)
-            EXPECT_NEAR(factor * slowed.eigenvalues()(k), own.eigenvalues()(k), 1e-12 * largest);  // condition of the matrices: 1e3
+        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> unscaled(stiffness, of.unscaled), slowed(stiffness, of.slowed);
+        const double largest = unscaled.eigenvalues().maxCoeff();
+        for (Eigen::Index k = 0; k < of.unscaled.rows(); ++k)
+            EXPECT_NEAR(factor * slowed.eigenvalues()(k), unscaled.eigenvalues()(k), 1e-12 * largest);  // condition of the matrices: 1e3
     });
 }
 

@@ -74,8 +74,8 @@ TEST(Simulation, CountsTheMemoryOfItsMethod) {
         EXPECT_FALSE(settle_and_run(simulation, 1e-5)) << method;
         kept = simulation.integration_state().method.size();
         const model::RigidState* columns = simulation.workspace().rigid_pins();  // counted as the workspace's
-        const std::optional<std::size_t> own = simulation.integrator().method().bytes();
-        return columns != nullptr ? *own + columns->bytes() : own;
+        const std::optional<std::size_t> method_bytes = simulation.integrator().method().bytes();
+        return columns != nullptr ? *method_bytes + columns->bytes() : method_bytes;
     };
     std::size_t kept = 0;
     for (const auto& [method, pins] : {std::pair{"leapfrog-sweep", model::PinDetail::halves},

@@ -333,14 +333,14 @@ TEST(DetailPresets, SayTheErrorsThatWereMeasured) {
 
 /// Processor time per simulated second over that of "fine", at every operating point: all levels took turns there.
 std::vector<double> costs_of(std::string_view level) {
-    std::map<std::string, double> fine, own;
+    std::map<std::string, double> fine, level_seconds;
     for (const auto& row : measured("detail_ladder.csv")) {
         if (row.at("share") != "1") continue;
         if (row.at("detail") == "fine") fine[row.at("point")] = std::stod(row.at("seconds"));
-        if (row.at("detail") == level) own[row.at("point")] = std::stod(row.at("seconds"));
+        if (row.at("detail") == level) level_seconds[row.at("point")] = std::stod(row.at("seconds"));
     }
     std::vector<double> costs;
-    for (const auto& [point, seconds] : own) costs.push_back(seconds / fine.at(point));
+    for (const auto& [point, seconds] : level_seconds) costs.push_back(seconds / fine.at(point));
     return costs;
 }
 

@@ -137,18 +137,18 @@ std::vector<WaitPolicy> wait_policies() {
     const char* spin = "GOMP_SPINCOUNT";
     const char* counts[] = {"0", "3000", "infinity"};
 #endif
-    std::vector<std::string> all, openmp, own;
+    std::vector<std::string> all, openmp, self_waiting;
     for (const engine::ExecutorRow& row : engine::executors()) {
         if (!row.parallel) continue;
         all.emplace_back(row.name);
         if (row.waiting == engine::Waiting::environment) openmp.emplace_back(row.name);
-        if (row.waiting == engine::Waiting::own) own.emplace_back(row.name);
+        if (row.waiting == engine::Waiting::own) self_waiting.emplace_back(row.name);
     }
     std::vector<WaitPolicy> policies{{"usual", all, {}, {}}, {"pinned", all, {}, {"--pin"}}};
     for (const char* policy : {"active", "passive"})
         policies.push_back({fmt::format("OMP_WAIT_POLICY={}", policy), openmp, {{"OMP_WAIT_POLICY", policy}}, {}});
     for (const char* count : counts) policies.push_back({fmt::format("{}={}", spin, count), openmp, {{spin, count}}, {}});
-    for (const char* wait : {"spin", "passive"}) policies.push_back({fmt::format("--wait {}", wait), own, {}, {"--wait", wait}});
+    for (const char* wait : {"spin", "passive"}) policies.push_back({fmt::format("--wait {}", wait), self_waiting, {}, {"--wait", wait}});
     return policies;
 }
 
