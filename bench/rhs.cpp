@@ -34,7 +34,7 @@
 #include "plain/plain_rhs.hpp"
 #include "plain/system.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/tuning/point_measure.hpp"
+#include "tasks/tuning/dial.hpp"
 
 namespace {
 

@@ -19,11 +19,11 @@
 
 #include "bench/executor/further_executors.hpp"
 #include "bench/peers/solvers.hpp"
+#include "bench/study/error_measure.hpp"
 #include "bench/study/profile/other_load.hpp"
 #include "bench/study/profile/report.hpp"
 #include "bench/study/profile/statistics.hpp"
 #include "bench/study/run_watch.hpp"
-#include "bench/study/tradeoff/error_measure.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/cancellation.hpp"
 #include "tasks/run/simulation.hpp"

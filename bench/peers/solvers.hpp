@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/method/jacobian/jacobian.hpp"
-#include "bench/study/tradeoff/error_measure.hpp"
+#include "bench/study/error_measure.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/step/integration_state.hpp"

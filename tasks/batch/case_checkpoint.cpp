@@ -21,6 +21,7 @@ std::string case_file(const std::filesystem::path& folder, std::string_view kind
 std::string CaseEngine::checkpoint_file() const { return case_file(places_.checkpoints, own_start_ ? "check" : "case", result_.number); }
 
 void CaseEngine::save() {
+    if (places_.checkpoints.empty()) return;
     Checkpoint checkpoint;
     checkpoint.integration = at_->simulation.integration_state();
     checkpoint.history = history_;

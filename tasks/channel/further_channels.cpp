@@ -39,6 +39,19 @@ double misalignment(const Instant& now) { return now.observer.forces().misalignm
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
+/// Of two halves together: comparable at every level of detail.
+double largest_pin_end(const Instant& now) {
+    const auto& tips = now.observation.tip_axial;
+    const model::ChainLayout& at = now.workspace.layout();
+    double largest = 0.0;
+    for (int tip = 0; tip < 2 * at.links; ++tip) {
+        const int pin = tip / 2, side = tip % 2, before = model::tips_per_link * at.previous(pin) + 2 + side;
+        largest = std::max(
+            largest, std::abs(tips[static_cast<std::size_t>(model::tips_per_link * pin + side)] + tips[static_cast<std::size_t>(before)]));
+    }
+    return largest;
+}
+
 /// Half the sum of what spreads the two sheaves of a shaft.
 [[nodiscard]] double spreading(const Instant& now, std::size_t shaft) {
     const auto& axial = now.observation.axial_force;
@@ -199,6 +212,7 @@ const Channel further_table[] = {
      Read(forces, &F::tip_tangential), on_demand, "tip", of_tips},
     {"tips/radial_force", "N", "radial force of every tip on its sheave, positive outwards", Read(forces, &F::tip_radial), on_demand, "tip",
      of_tips},
+    {"pins/end_force", "N", "largest axial force on an end of a pin, both halves together", largest_pin_end, on_demand},
     {"plates/tension", "N", "tension of every plate as it is resolved, damping included; plate = (plates per link) link + number",
      Read(forces, &F::plate_tension), any_machine | on_demand, "plate", of_plates},
     {"joints/normal_force", "N", "force that presses the halves of every pin together; joint of the pin behind the link",

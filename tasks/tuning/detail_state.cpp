@@ -1,4 +1,4 @@
-#include "tasks/tuning/point_measure.hpp"
+#include "tasks/tuning/dial.hpp"
 
 #include <algorithm>
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <sstream>
 
 #include "engine/base/hash.hpp"
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kept_format = "cvtflow tuning 2";
+constexpr std::string_view kept_format = "cvtflow tuning 3";
 
 std::string content_of(const std::string& key, const KeptTuning& kept) {
     return fmt::format("{}\nkey {}\ndetail {}\nmethod {}\nshare {:.17g}\nstep {:.17g}\nerror {:.17g}\n", kept_format, key,
@@ -98,22 +99,12 @@ std::optional<KeptTuning> read_tuning(const fs::path& folder, const std::string&
     } catch (const engine::InputError&) {
         return std::nullopt;  // none, or what cannot be one
     }
-    KeptTuning kept;
+    std::map<std::string, std::string> values;
     std::istringstream lines(text);
-    const auto value = [&](std::string_view name) {
-        std::string line;
-        std::getline(lines, line);
-        return line.starts_with(fmt::format("{} ", name)) ? line.substr(name.size() + 1) : std::string();
-    };
-    const auto number = [&](std::string_view name) { return engine::number_of(value(name)).value_or(0.0); };
-    std::string format;
-    std::getline(lines, format);
-    static_cast<void>(value("key"));
-    kept.choice.detail = value("detail");
-    kept.choice.method = value("method");
-    kept.choice.share = number("share");
-    kept.step = number("step");
-    kept.error = number("error");
+    for (std::string line; std::getline(lines, line);) values[line.substr(0, line.find(' '))] = line.substr(line.find(' ') + 1);
+    const auto number = [&](const char* name) { return engine::number_of(values[name]).value_or(0.0); };
+    KeptTuning kept{{values["detail"], values["method"], number("share")}, number("step"), number("error")};
+    if (kept.choice.share == 1.0) kept.choice.step = kept.step;
     if (text != sealed(content_of(key, kept))) return std::nullopt;
     return kept;
 }
@@ -129,29 +120,28 @@ void keep_tuning(const fs::path& folder, const std::string& key, const KeptTunin
     }
 }
 
+KeptTuning kept_or_found(const fs::path& folder, const std::string& key, const std::function<TuneResult()>& search,
+                         std::optional<TuneResult>& result) {
+    if (const auto kept = read_tuning(folder, key)) return *kept;
+    result = search();
+    const TunedChoice& chosen = chosen_of(*result);
+    keep_tuning(folder, key, {chosen.choice, chosen.step, chosen.error()});
+    return {chosen.choice, chosen.step, chosen.error()};
+}
+
 TunedScene tuned_scene(const Scene& scene, const TuneSettings& settings, const fs::path& folder, const engine::Cancellation& cancel) {
     const std::string key = tuning_key(scene, settings);
+    Tuner tuner(scene, settings, cancel);
     TunedScene tuned;
-    std::optional<Tuner> tuner;
-    if (const auto kept = read_tuning(folder, key)) {
-        tuned.kept = *kept;
-    } else {
-        tuner.emplace(scene, settings, cancel);
-        tuned.result = tuner->tune(settings.accuracy);
-        const TunedChoice& chosen = chosen_of(*tuned.result);
-        tuned.kept = {chosen.choice, chosen.step, chosen.error()};
-        keep_tuning(folder, key, tuned.kept);
-    }
+    tuned.kept = kept_or_found(
+        folder, key, [&] { return tuner.tune(settings.accuracy); }, tuned.result);
     tuned.scene = chosen_scene(scene, tuned.kept.choice, tuned.kept.step);
     if (model::layout_of(scene.parameters) == model::layout_of(tuned.scene.parameters)) return tuned;
     tuned.scene.state_file.clear();  // it has other unknowns
     if (fitting_start(scene) == nullptr) return tuned;
     const fs::path state = state_file(folder, key);
-    if (tuner || !is_start_of(state, tuned.scene)) {
-        if (!tuner) tuner.emplace(scene, settings, cancel);
-        if (!keep_state(state, tuner->settled_state(tuned.kept.choice))) return tuned;
-    }
-    tuned.scene.state_file = state.string();
+    const bool known = !tuned.result && is_start_of(state, tuned.scene);
+    if (known || keep_state(state, tuner.settled_state(tuned.kept.choice, tuned.kept.step))) tuned.scene.state_file = state.string();
     return tuned;
 }
 

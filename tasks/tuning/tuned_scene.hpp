@@ -40,6 +40,10 @@ struct TunedScene {
     std::optional<TuneResult> result;  ///< result of a search; nothing: the choice was kept from before
 };
 
+/// The choice of a key: as kept, else found by a search and kept. @param result  in, out: of the search   @throws AccuracyError, as Tuner
+[[nodiscard]] KeptTuning kept_or_found(const std::filesystem::path& folder, const std::string& key,
+                                       const std::function<TuneResult()>& search, std::optional<TuneResult>& result);
+
 /// The scene as it should be run for an accuracy: as written but for detail, method and step, which are as kept, else measured and kept.
 /// It begins where its errors were measured: with the scene's state; where that has other unknowns than the chosen detail, with the state
 /// of the chosen detail that was measured, kept beside the choice; without a state that fits it settles for start.settling_time.

@@ -5,7 +5,6 @@
 /// against a reference of the finest detail that passes a separate test. The first one whose errors, times a margin, stay within the target
 /// everywhere is taken; nothing that ended early or whose energy balance does not close ever is.
 
-#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
@@ -13,18 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "tasks/tuning/point_measure.hpp"
+#include "tasks/tuning/dial.hpp"
 
 namespace cvtflow::tasks {
-
-struct TradeoffPoint {
-    std::string choice;    ///< METHOD@STEP
-    double error = 0.0;    ///< relative; infinite if the run was lost
-    double seconds = 0.0;  ///< wall time per simulated second [1]
-};
-
-/// Whether each point is on the front: no other has a smaller error at no more time, or less time at no larger an error.
-[[nodiscard]] std::vector<bool> pareto_front(const std::vector<TradeoffPoint>& points);
 
 /// Safety factor: errors at an untried point may be larger than at the tried points by this factor.
 inline constexpr double tuning_margin = 2.0;
@@ -34,10 +24,12 @@ inline constexpr double reference_share = 0.25;
 struct TuneSettings {
     double accuracy = 0.01;            ///< target error of every output
     std::vector<std::string> outputs;  ///< figures or scalars; none: the usual figures
-    std::vector<std::string> methods;  ///< candidates; none: the default method and the cheapest of the catalogue
+    std::vector<std::string> levels;   ///< TuneChoice::detail of choices; none: all presets, and the scene's detail
+    std::vector<std::string> methods;  ///< METHOD or METHOD@STEP; none: those that "auto" chooses among
     double budget = 0.0;               ///< wall time of the search, whatever it measures then; 0: no limit [s]
     /// Rank by work alone and by the default method, so that every machine and every run chooses the same.
     bool same_everywhere = false;
+    bool all = false;  ///< measure every choice at every point, those too that are more expensive than the chosen one
     PointTimes times;
     std::function<void(const std::string&)> progress;  ///< may be empty
 };
@@ -46,13 +38,13 @@ struct TunedChoice {
     TuneChoice choice;
     double seconds = 0.0;        ///< processor time per simulated second, median of rounds in turns [s/s]
     double spread = 0.0;         ///< range of the rounds over their median, large on a busy machine
-    double work = 0.0;           ///< PointRun::work [1/s]
+    double work = 0.0;           ///< PointCost::work, the largest of all points [1/s]
     bool tried = false;          ///< measured at one point at least
     std::vector<double> errors;  ///< largest error of every output at all points tried
     std::string worst;           ///< the point with the largest error
-    std::string outcome;         ///< "chosen", "meets the target", or why it is not taken
+    std::string outcome;         ///< "chosen", "within the target", or why it is not taken
     bool front = false;          ///< no other that was tried is both cheaper and more exact
-    double step = 0.0;           ///< fixed step at the first point; 0: automatic [s]
+    double step = 0.0;           ///< fixed step, the shortest that the points need; 0: automatic [s]
 
     [[nodiscard]] double error() const noexcept { return largest(errors); }
 };
@@ -67,11 +59,19 @@ struct TuneResult {
     std::vector<TunedChoice> choices;     ///< choices in the order of consideration
     std::optional<std::size_t> chosen;    ///< index of the chosen one
     std::string used_up_by;               ///< measurement that used up the budget; empty: none
+    std::string next_digit;               ///< what a tenth of the target costs
     double wall = 0.0;                    ///< wall time of the search [s]
 
     [[nodiscard]] long tried() const noexcept;
     /// Reason why nothing was chosen: "no choice has errors times 2 within the target", or that the budget was used up, and by what.
     [[nodiscard]] std::string why_none() const;
+};
+
+/// Errors at a point that tuning did not use.
+struct UnseenPoint {
+    std::string name;
+    std::vector<double> errors;  ///< error of every output; empty: no reference
+    std::string remark;          ///< reason for a missing reference, or a fault of the run; may be empty
 };
 
 class Tuner {
@@ -80,54 +80,45 @@ public:
     Tuner(const Scene& scene, TuneSettings settings, const engine::Cancellation& cancel);
     /// A sweep at its corners, its scalars. @throws SceneError
     Tuner(const Sweep& sweep, TuneSettings settings, const engine::Cancellation& cancel);
-    Tuner(const Tuner&) = delete;
-    Tuner& operator=(const Tuner&) = delete;
 
     /// Reuses the measurements of earlier accuracies. A point's reference is measured when the first choice has run there.
     /// accuracy [1]
     /// @throws SimulationError: no point has a reference; interrupted
     [[nodiscard]] TuneResult tune(double accuracy);
 
-    /// Errors of a choice at another point. Empty and the reason in `why` if that point has no reference. accuracy [1]
-    [[nodiscard]] std::vector<double> errors_at(const TuneChoice& choice, OperatingPoint point, double accuracy, std::string& why);
+    /// Errors of a choice at other points. accuracy [1]
+    [[nodiscard]] std::vector<UnseenPoint> verify(const TunedChoice& choice, OperatingPoints points, double accuracy) const;
 
-    /// The state with which outputs begin to count at the first point with a choice: settled at its detail, at t = 0.
-    /// @throws SimulationError
-    [[nodiscard]] engine::SavedState settled_state(const TuneChoice& choice);
+    /// DialSweep::settled_state() of a choice. step 0: automatic [s]
+    [[nodiscard]] engine::SavedState settled_state(const TuneChoice& choice, double step) { return dial_.settled_state(choice, step); }
+    [[nodiscard]] const OperatingPoints& points() const noexcept { return dial_.points(); }
 
 private:
-    void prepare();
-    void find_methods();
-    /// Every level with every method that can be used there, each with the seconds of a first run.
-    [[nodiscard]] std::vector<std::pair<TunedChoice, double>> find_bases();
+    Tuner(OperatingPoints points, TuneSettings settings, const engine::Cancellation& cancel);
+    /// Every level with every method that can be used there.
+    [[nodiscard]] std::vector<TunedChoice> find_bases();
     void find_costs();
     /// Every choice in turn, the cheapest first, until one is chosen or the budget is used up.
     void try_choices(TuneResult& result);
-    /// Reference of a point, measured when it is first needed; nullptr: the point has none and is left out.
+    /// Reference run of a point, measured when it is first needed; nullptr: the point has none and is left out.
     [[nodiscard]] const PointRun* reference_at(std::size_t point, TuneResult& result);
     [[nodiscard]] bool worth_trying(const TunedChoice& candidate, const TuneResult& result) const;
     void try_at_points(TunedChoice& candidate, TuneResult& result);
-    [[nodiscard]] std::string objection_to(const TunedChoice& candidate, const TuneResult& result) const;
+    [[nodiscard]] const PointRun& run_at(const TunedChoice& candidate, std::size_t point);
+    [[nodiscard]] std::string next_digit(const TuneResult& result) const;
     /// Wall time of a run at a point, by the costs measured [s]. @param cost [s/s]
-    [[nodiscard]] double expected(const PointMeasure& point, double cost) const noexcept;
+    [[nodiscard]] double expected(double cost) const noexcept;
     /// Reports the present measurement. @param seconds its expected duration, 0: unknown [s]
     void say(const std::string& what, double seconds = 0.0);
-    /// Reports one of many short measurements: every quarter of them. @throws SimulationError: interrupted
-    void say_share(const std::string& what, std::size_t number, std::size_t of);
-    void throw_if_cancelled() const;
 
-    Scene scene_;
     TuneSettings settings_;
     const engine::Cancellation& cancel_;
-    std::string finest_;
-    std::vector<TunedOutput> outputs_;
-    std::deque<PointMeasure> points_;
-    std::vector<std::string> methods_, left_out_;
+    DialSweep dial_;
+    std::vector<std::string> left_out_;
     std::vector<TunedChoice> ranked_;                               ///< cheapest first
     std::map<std::pair<std::string, std::size_t>, PointRun> runs_;  ///< runs by choice and point
     std::map<std::size_t, bool> judged_;  ///< points at which a choice has run for the present accuracy: whether they have a reference
-    Deadline deadline_;
-    std::string measuring_;  ///< last measurement that say() reported
+    std::string measuring_;               ///< last measurement that say() reported
 };
 
 }  // namespace cvtflow::tasks

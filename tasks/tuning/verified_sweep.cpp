@@ -21,18 +21,6 @@ namespace {
 
 constexpr const char* target_attribute = "accuracy_target";
 
-TuneSettings settings_of(const Sweep& sweep, const std::function<void(const std::string&)>& progress) {
-    TuneSettings settings;
-    settings.accuracy = sweep.accuracy.target;
-    settings.same_everywhere = true;
-    settings.progress = progress;
-    return settings;
-}
-
-std::string key_of(const Sweep& sweep, const TuneSettings& settings) {
-    return engine::Hash().add(std::string_view(tuning_key(sweep.scene, settings))).add(std::string_view(sweep.definition())).hex();
-}
-
 /// Writes the start state of the scene to the folder of the sweep, converted where the detail has other unknowns.
 void give_state(const Scene& own, const std::string& file, Scene& chosen) {
     if (own.state_file.empty()) return;
@@ -53,16 +41,11 @@ TunedSweep tuned_sweep(const Sweep& sweep, const std::string& folder, const engi
                        const std::function<void(const std::string&)>& progress) {
     TunedSweep tuned{sweep, {}, std::nullopt};
     if (!(sweep.accuracy.target > 0.0)) return tuned;
-    const TuneSettings settings = settings_of(sweep, progress);
-    const std::string key = key_of(sweep, settings);
-    if (const auto kept = read_tuning(folder, key)) {
-        tuned.kept = *kept;
-    } else {
-        tuned.result = Tuner(sweep, settings, cancel).tune(settings.accuracy);
-        const TunedChoice& chosen = chosen_of(*tuned.result);
-        tuned.kept = {chosen.choice, chosen.step, chosen.error()};
-        keep_tuning(folder, key, tuned.kept);
-    }
+    TuneSettings settings{.accuracy = sweep.accuracy.target, .same_everywhere = true, .progress = progress};
+    const std::string key =
+        engine::Hash().add(std::string_view(tuning_key(sweep.scene, settings))).add(std::string_view(sweep.definition())).hex();
+    const auto search = [&] { return Tuner(sweep, settings, cancel).tune(settings.accuracy); };
+    tuned.kept = kept_or_found(folder, key, search, tuned.result);
     tuned.sweep.scene = chosen_scene(sweep.scene, tuned.kept.choice, tuned.kept.step);
     if (sweep.start == StartMode::scene) give_state(sweep.scene, (fs::path(folder) / "states" / (key + ".h5")).string(), tuned.sweep.scene);
     return tuned;
@@ -71,21 +54,6 @@ TunedSweep tuned_sweep(const Sweep& sweep, const std::string& folder, const engi
 std::vector<long> cases_to_verify(const Sweep& sweep) { return draw_cases(sweep.cases(), sweep.accuracy.verify, sweep.accuracy.seed); }
 
 namespace {
-
-/// Errors of one case's row; empty and the reason in `why`.
-std::vector<double> errors_of(const Sweep& sweep, long number, const engine::RowLayout& layout, std::span<const std::byte> row,
-                              std::span<const TunedOutput> outputs, const engine::Cancellation& cancel, std::string& why) {
-    PointMeasure measure(point_of_case(sweep, number), std::string(detail_presets().back().name), outputs, cancel);
-    const PointRun* reference = measure.reference(reference_share * sweep.accuracy.target);
-    if (cancel.requested()) throw SimulationError("interrupted");
-    if (reference == nullptr) {
-        why = fmt::format("case {}: {}", number, measure.objection());
-        return {};
-    }
-    PointRun is;
-    for (const Scalar& scalar : sweep.scalars) is.values.push_back(layout.real(row, layout.column(scalar.column)));
-    return measure.errors(is, *reference);
-}
 
 using ErrorsByCase = std::map<long, std::vector<double>>;
 
@@ -117,24 +85,25 @@ void write_errors(const std::string& file, const Sweep& sweep, const TunedSweep&
 std::vector<std::string> verify_sweep(const Sweep& sweep, const TunedSweep& tuned, const std::string& folder,
                                       const engine::Cancellation& cancel, const std::function<void(const std::string&)>& progress) {
     const std::string file = (fs::path(folder) / "cases.h5").string();
-    const std::vector<TunedOutput> outputs = tuned_outputs(sweep.scalars);
     const engine::FolderLock lock(folder);
+    DialSweep dial(points_of(sweep, cases_to_verify(sweep)), cancel);
     ErrorsByCase errors;
     std::vector<std::string> remarks;
     {
         OrderedRows rows(file);
         const engine::RowLayout layout = rows.head().layout;
-        for (const long number : cases_to_verify(sweep)) {
-            const auto row = rows.of_case(number);
+        for (std::size_t i = 0; i < dial.size(); ++i) {
+            const auto row = rows.of_case(dial.points().cases[i]);
             if (row.empty() || layout.text(row, layout.column("status")) != "ok") continue;
             if (std::isfinite(layout.real(row, layout.column(std::string(error_prefix) + sweep.scalars.front().column)))) continue;
-            if (progress) progress(fmt::format("verifying case {}", number));
-            std::string why;
-            const std::vector<double> found = errors_of(sweep, number, layout, row, outputs, cancel, why);
-            if (found.empty())
-                remarks.push_back(why);
+            if (progress) progress("verifying " + dial.points().names[i]);
+            const DialSweep::Reference& reference = dial.reference(i, reference_share * sweep.accuracy.target);
+            PointRun is;
+            for (const Scalar& scalar : sweep.scalars) is.values.push_back(layout.real(row, layout.column(scalar.column)));
+            if (reference.run != nullptr)
+                errors[dial.points().cases[i]] = dial.errors(is, *reference.run);
             else
-                errors[number] = found;
+                remarks.push_back(fmt::format("{}: {}", dial.points().names[i], reference.text));
         }
     }
     write_errors(file, sweep, tuned, errors);

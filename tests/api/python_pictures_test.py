@@ -163,6 +163,26 @@ class Orders(unittest.TestCase):
 
 
 @matplotlib_only
+class Choices(unittest.TestCase):
+    def test_a_line_connects_the_front_and_lost_choices_are_left_out(self):
+        def row(level, seconds, error, front, **more):
+            return {"detail": level, "method": "auto", "share": 1.0, "step": 0.0, "seconds_per_second": seconds, "tried": True, "errors": [error, 0.0],
+                    "front": front, "standing": ""} | more
+
+        rows = [row("rigid", 1.0, 0.02, True), row("", 11.0, 0.03, False, share=0.5), row("fine", 10.0, 0.004, True, standing="chosen"),
+                row("full", 12.0, None, False), row("full", 13.0, 0.1, False, tried=False)]
+        tuning = {"scene": "some", "choices": rows, "accuracy": 0.01, "margin": 2.0, "points": ["start"], "outputs": ["slip", "ratio"]}
+        lines = {line.get_label(): line for line in plots.choices(tuning).axes[0].lines}
+        self.assertEqual([name for name in lines if "auto" in name], ["rigid, auto, auto", "own, auto, auto/2", "fine, auto, auto"])
+        np.testing.assert_allclose(lines["fine, auto, auto"].get_xydata(), [[10.0, 0.4]])
+        front = [line.get_xydata() for line in lines.values() if len(line.get_xydata()) == 2]
+        np.testing.assert_allclose(front[0], [[1.0, 2.0], [10.0, 0.4]])
+        np.testing.assert_allclose(front[1], [[0.8, 0.5], [13.75, 0.5]], err_msg="what is allowed")
+        with self.assertRaisesRegex(ValueError, "no choice has an error"):
+            plots.choices(tuning | {"choices": rows[3:]})
+
+
+@matplotlib_only
 class Files(Folder):
     def drawn(self, *words, name="p.svg"):
         program("plot", *words, "--force", "-o", f"{self.folder}/{name}")

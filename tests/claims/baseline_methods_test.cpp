@@ -13,10 +13,9 @@
 
 #include "bench/method/implicit/catalogue.hpp"
 #include "bench/method/implicit/linear_plan.hpp"
+#include "bench/study/error_measure.hpp"
 #include "bench/study/run_watch.hpp"
-#include "bench/study/tradeoff/error_measure.hpp"
 #include "engine/method/dumka3.hpp"
-#include "tasks/tuning/output.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 

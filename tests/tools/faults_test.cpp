@@ -40,7 +40,6 @@ Words with_brief(Words words) { return std::move(words) + briefly; }
 /// Commands without an order, and why.
 const std::map<std::string, std::string> left_out{
     {"extremes", "its smallest group takes 6 s of processor time; it reads and writes no file"},
-    {"detail", "needs a settled state of full detail: 1 s of baseline; writes tables as compare does"},
     {"executors", "lists what is compiled in; reads and writes no file"},
     {"granularity", "measured in rounds of every executor; writes tables as profile does"},
     {"sweep-cost", "runs sweeps by turns as batch does, in a folder that it removes"},

@@ -105,7 +105,8 @@ std::string bare_until(const tasks::Scene& scene, const std::vector<Given>& give
     return fmt::format("{}: a number without a unit is in seconds; \"{} ms\" are milliseconds", words, value);
 }
 
-/// "a, b" as {"a", "b"}.
+}  // namespace
+
 std::vector<std::string> names_of(const std::string& list) {
     std::vector<std::string> names;
     std::istringstream rest(list);
@@ -115,8 +116,6 @@ std::vector<std::string> names_of(const std::string& list) {
     }
     return names;
 }
-
-}  // namespace
 
 void require_method(const std::string& method) {
     if (method == tasks::automatic_method || tasks::Method::find(method)) return;
@@ -190,7 +189,8 @@ void declare_tuning(CLI::App& app, TuningArguments& arguments) {
                                fmt::join(names, ", ")))
         ->type_name("LIST");
     app.add_option("--methods", arguments.methods,
-                   "Methods to choose from, separated by commas (default: the default method and the cheapest of the catalogue)")
+                   "Methods to choose from, separated by commas: METHOD or METHOD@STEP, such as rk4@45ns (default: those that auto "
+                   "chooses among)")
         ->type_name("LIST");
     app.add_option("--budget", arguments.budget, "Wall time of the search, references included, e.g. \"2 min\"")->type_name("TIME");
     const tasks::PointTimes usual;
@@ -212,7 +212,11 @@ tasks::TuneSettings tune_settings(const TuningArguments& arguments, bool quiet) 
     }
     settings.outputs = names_of(arguments.outputs);
     settings.methods = names_of(arguments.methods);
-    for (const std::string& method : settings.methods) require_method(method);
+    for (const std::string& method : settings.methods) {
+        const std::size_t at = method.find('@');
+        require_method(method.substr(0, at));
+        if (at != std::string::npos) static_cast<void>(seconds_of("--methods", method.substr(at + 1)));
+    }
     if (arguments.budget) settings.budget = seconds_of("--budget", *arguments.budget);
     if (arguments.settle) settings.times.settle = seconds_of("--settling", *arguments.settle);
     if (arguments.average) settings.times.average = seconds_of("--average", *arguments.average);

@@ -60,9 +60,12 @@ void require_method(const std::string& method);
 struct TuningArguments {
     std::optional<std::string> accuracy;
     std::string outputs;  ///< separated by commas; empty: the usual figures
-    std::string methods;  ///< separated by commas; empty: the default method and the cheapest
+    std::string methods;  ///< separated by commas; empty: those that "auto" chooses among
     std::optional<std::string> budget, settle, average;
 };
+
+/// "a, b" as {"a", "b"}.
+[[nodiscard]] std::vector<std::string> names_of(const std::string& list);
 
 /// Declares --accuracy, --outputs, --methods, --budget, --settling and --average.
 void declare_tuning(CLI::App& app, TuningArguments& arguments);

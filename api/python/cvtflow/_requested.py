@@ -104,6 +104,11 @@ def made(request):
     if request["command"] == "chart":
         panels = [_figures.panel_of(each) for each in request["panels"]]
         drawn = None if request["format"] == "csv" else _figures.draw(panels, request.get("heading", ""))
+    elif request["command"] == "choices":
+        from . import plots
+
+        drawn = plots.choices(request["tuning"])
+        panels = drawn.panels
     else:
         receive(request)
         drawn = _plot(request)

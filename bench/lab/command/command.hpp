@@ -18,7 +18,6 @@ tools::Action declare_work(CLI::App& app);
 tools::Action declare_sweep_cost(CLI::App& app);
 tools::Action declare_run_cost(CLI::App& app);
 tools::Action declare_executors(CLI::App& app);
-tools::Action declare_detail(CLI::App& app);
 tools::Action declare_extremes(CLI::App& app);
 tools::Action declare_lottery(CLI::App& app);
 tools::Action declare_belt(CLI::App& app);

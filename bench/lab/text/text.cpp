@@ -127,13 +127,6 @@ std::string too_short(const WatchResult& watch) {
                        watch.pin_periods(), enough_pin_periods, time_text(enough_pin_periods * watch.pin_period));
 }
 
-std::string watch_csv(const tasks::Fault& fault, const WatchResult& watch) {
-    if (fault) return fault.name() + ",,,,,,";
-    const std::string efficiency = std::isfinite(watch.means.efficiency) ? fmt::format("{:.6g}", watch.means.efficiency) : "";
-    return fmt::format("{},{:.3e},{:.3g},{:.3g},{},{:.6g},{}", watch.status(fault), watch.residual, watch.balance_error_ratio,
-                       watch.pin_periods(), watch.long_enough() ? "yes" : "no", watch.means.slip, efficiency);
-}
-
 nlohmann::ordered_json watch_json(const tasks::Fault& fault, const WatchResult& watch) {
     nlohmann::ordered_json json{{"status", watch.status(fault)}};
     if (fault) return json;

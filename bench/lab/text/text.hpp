@@ -33,10 +33,7 @@ namespace cvtflow::bench {
 /// "240 us are 0.3 pin periods: slip and efficiency are means over at least 16 (about 11 ms here)"; empty if it is long enough.
 [[nodiscard]] std::string too_short(const WatchResult& watch);
 
-/// Columns of a table in CSV, without a comma at either end.
-inline constexpr const char* watch_heading = "status,residual,suspicion,pin_periods,long_enough,mean_slip,efficiency";
-[[nodiscard]] std::string watch_csv(const tasks::Fault& fault, const WatchResult& watch);
-/// The columns of watch_csv() as an object.
+/// Status and figures of a run as an object; names and numbers alone for a fault.
 [[nodiscard]] nlohmann::ordered_json watch_json(const tasks::Fault& fault, const WatchResult& watch);
 
 /// One cycle of a frozen graph, levels from left to right.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/study/tradeoff/error_measure.hpp"
+#include "bench/study/error_measure.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/method/compiled_plan.hpp"
 #include "model/observe/observation.hpp"

@@ -101,68 +101,21 @@ TEST_F(LabCommands, WriteAsJsonWhatTheyMeasure) {
     EXPECT_NEAR(double(maps["tables"][0]["imaginary"]), 2.0 * std::sqrt(2.0), 1e-3);
     EXPECT_NEAR(double(maps["programs"][0]["oscillator"]["h_omega"]), 2.0, 1e-3);  // of every leapfrog
     EXPECT_TRUE(maps["programs"][1].contains("linear"));
-    ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
-    const auto trade = json_of({"compare", "tiny", "rk4@50ns", "--front", "-q", "--reference", "rk4@25ns", "--duration", "24us", "--rounds",
-                                "2", "--confirm", "24us", "--confirm-against", "rk4@25ns", "--set", "start.state=s.h5"},
-                               "compare_tiny.json");
-    EXPECT_EQ(trade["rounds"], 2);
-    EXPECT_EQ(trade["recommended"].size(), 4u);
-    // Other dials begin with a jolt, which steps of 0.5 us resolve: with automatic ones it is a matter of chance which variants balance.
-    // Over the first 20 us it is most of the losses: rigid sheaves under lumped plates then miss by 1.2 to 1.3 of the tolerance at steps of
-    // 0.25 to 0.5 us. After 200 us no variant misses by more than 0.05 of it.
-    const auto detail = json_of({"detail", "baseline", "--settle", "200us", "--average", "200us", "--step", "0.5us", "--control", "0 s"},
-                                "detail_baseline.json");
-    EXPECT_EQ(detail["variants"].size(), 9u);
-    EXPECT_EQ(detail["variants"].back()["mass_scaling"], 3.0);
-    EXPECT_TRUE(detail["variants"][0]["thrust_ratio"].is_null()) << "it was not searched for";
 }
 
-TEST_F(LabCommands, DetailNeedsAStateOfFullDetailAndItsDialsFree) {
-    ASSERT_EQ(run({"settle", "baseline", "--set", "start.state=", "--set", "detail.pulleys=rigid", "--set", "start.settling_time=20us",
-                   "--set", "start.ramp_time=10us", "-o", "other.h5"})
-                  .status,
-              0);
-    const Outcome other = run({"detail", "baseline", "--set", "start.state=other.h5"});
-    EXPECT_EQ(other.status, 1);
-    EXPECT_THAT(other.err,
-                AllOf(StartsWith("cvtflow-lab: baseline: variants start from a settled state of full detail: --set start.state="),
-                      HasSubstr("\n  detail.pulleys = \"elastic\", settled with \"rigid\"\n")));
-    const Outcome held = run({"detail", "baseline", "--set", "detail.joint_points=1"});
-    EXPECT_EQ(held.status, 2);
-    EXPECT_EQ(held.err, "cvtflow-lab: --set detail.joint_points=1: detail.joint_points is one of the compared keys\n");
-}
-
-TEST_F(LabCommands, DetailComparesTheLevelsOfTheCatalogueWithTheFinestAtAQuarterOfItsStep) {
-    const Outcome outcome = run(
-        {"detail", "baseline", "--levels", "--settle", "20us", "--average", "20us", "--control", "0 s", "--json", "--csv", "-o", "ladder"});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    const auto ladder = nlohmann::json::parse(read("ladder/ladder.json"));
-    const auto presets = tasks::detail_presets();
-    ASSERT_EQ(ladder["points"].size(), 1u);
-    const auto& point = ladder["points"][0];
-    EXPECT_EQ(point["reference"]["detail"], presets.back().name);
-    EXPECT_EQ(point["reference"]["share"], 0.25);
-    ASSERT_EQ(point["levels"].size(), presets.size());
-    for (std::size_t k = 0; k < presets.size(); ++k) EXPECT_EQ(point["levels"][k]["detail"], presets[presets.size() - 1 - k].name);
-    EXPECT_NEAR(double(point["reference"]["step"]) / double(point["levels"][0]["step"]), 0.25, 0.02);
-    for (const auto& level : point["levels"]) EXPECT_GT(double(level["seconds"]), 0.0);
-    EXPECT_THAT(read("ladder/ladder.csv"), StartsWith("point,detail,share,"));
-    const Outcome both = run({"detail", "--levels", "--all"});
-    EXPECT_EQ(both.status, 2);
-}
-
-TEST_F(LabCommands, DetailKeepsFaultsOutOfItsTable) {
-    const std::vector<std::string> brief{"--settle", "20us", "--average", "20us", "--control", "0 s"};
-    const Outcome all = run(std::vector<std::string>{"detail", "baseline", "--set", "tip.deepest=6um"} + brief);
-    EXPECT_EQ(all.status, 1);
-    EXPECT_THAT(all.err, StartsWith("cvtflow-lab: baseline: the reference, full detail, ended: a tip of pin "));
-    EXPECT_EQ(all.out, "");
-    const Outcome some = run(std::vector<std::string>{"detail", "baseline", "--set", "tip.deepest=20um"} +
-                             brief);  // rigid pulleys take the jolt with deeper tips
-    EXPECT_EQ(some.status, 5);
-    EXPECT_THAT(some.err, HasSubstr("cvtflow-lab: baseline: each   8 pt rigid: a tip of pin "));
-    EXPECT_THAT(some.out, testing::ContainsRegex("\n  each   8 pt rigid +1684 +- +- +- .* penetration\n"));
-    EXPECT_THAT(some.out, testing::Not(HasSubstr("a tip of")));
+/// The same sweep over the dial as of the program, over methods that it has not and over keys of detail.
+TEST_F(LabCommands, TuneMeasuresMethodsOfTheLaboratoryAndKeysOfDetail) {
+    ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "0.2ms", "--set", "start.ramp_time=0.1ms"}).status, 0);
+    const Outcome outcome = run({"tune", "tiny", "--set", "start.state=s.h5", "--accuracy", "50 %", "--outputs", "tight_tension",
+                                 "--settling", "0.2 ms", "--average", "0.2 ms", "--all", "--levels", "full, full detail.plates=lumped",
+                                 "--methods", "leapfrog-rkc@0.5us, rk4@100ns", "-q", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err << outcome.out;
+    const auto table = nlohmann::json::parse(read("results/tune_tiny.json"));
+    ASSERT_EQ(table["choices"].size(), 4u);
+    for (const auto& choice : table["choices"]) {
+        EXPECT_TRUE(choice["tried"]) << choice["detail"];
+        EXPECT_EQ(double(choice["step"]), choice["method"] == "rk4" ? 100e-9 : 0.5e-6);
+    }
 }
 
 TEST_F(LabCommands, CompareShowsThePinsForceByMethod) {

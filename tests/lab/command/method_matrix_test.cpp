@@ -120,14 +120,6 @@ const std::vector<Row> rows{
                 state;
      },
      [](const std::string& m) { return done("\n  " + m + "@100ns "); }},
-    {"compare", "--front",
-     [](const std::string& m) {
-         return Words{"compare",    "tiny", m + "@100ns",        "--front",  "--reference", "rk4@50ns",
-                      "--duration", "2us",  "--interval",        "1us",      "--rounds",    "1",
-                      "--confirm",  "4us",  "--confirm-against", "rk4@50ns", "-q"} +
-                state;
-     },
-     [](const std::string& m) { return done("\n  " + m + "@100ns "); }},
     {"local-error", "", [](const std::string& m) { return Words{"local-error", "tiny", "--methods", m, "--steps", "200ns,100ns"} + state; },
      [](const std::string& m) { return done("tiny: error of one step of " + m + " (order "); }},
     {"spectrum", "", [](const std::string& m) { return Words{"spectrum", "tiny", "--extremal", "-q", "--method", m} + state; },
@@ -166,13 +158,6 @@ const std::vector<Row> rows{
      [](const std::string&) { return done("label=\"force"); }},
     {"fit", "", [](const std::string& m) { return Words{"fit", "tiny", "--step", "1us", "--set", "run.method=" + m} + state; },
      [](const std::string&) { return done("fitted-l"); }},
-    {"detail", "",
-     [](const std::string& m) {
-         return Words{"detail", "baseline", "--method", m, "--step", "20ns", "--settle", "1us", "--average", "1us", "--control", "0 s"};
-     },
-     [](const std::string& m) {
-         return m == "euler" ? Expected{incomplete, " rigid: unreliable: "} : done("\n  lumped 1 pt rigid ");
-     }},  // it makes energy in the jolt of other dials
     {"batch", "--dry-run",
      [](const std::string&) {
          return Words{"batch", "sweep.toml", "--dry-run"};

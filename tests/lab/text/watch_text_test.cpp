@@ -40,34 +40,6 @@ TEST_F(WatchText, CompareMarksWhatIsUnreliable) {
     EXPECT_EQ(json["reference_watch"]["long_enough"], false);
 }
 
-TEST_F(WatchText, DetailHasAStatusAndNoFiguresForWhatIsUnreliable) {
-    // Twenty outputs in a window as short as this one, and the shorter steps between them: it begins with the shock of a start.
-    const std::vector<std::string> brief{"detail", "baseline", "--settle",  "200us", "--average", "200us",
-                                         "-o",     "out",      "--control", "0 s",   "--set",     "run.output_interval=10us"};
-    const Outcome all = run(brief + std::vector<std::string>{"--method", "rk4", "--step", "200ns"});
-    EXPECT_EQ(all.status, 1);
-    EXPECT_THAT(all.err, testing::StartsWith(
-                             "cvtflow-lab: baseline: the reference, full detail, is unreliable: the residual of the energy balance is "));
-    EXPECT_EQ(all.out, "");
-    const Outcome good = run(brief);
-    EXPECT_EQ(good.status, 0) << good.err;
-    EXPECT_THAT(good.out, ContainsRegex("\n  lumped 1 pt rigid .* finished\n"));
-    EXPECT_THAT(good.out, ContainsRegex("\n  too short +200 us are 0\\.28 pin periods: "));
-    EXPECT_THAT(read("out/detail_baseline.csv"), AllOf(HasSubstr(",drift,status,residual,"), Not(HasSubstr("unreliable"))));
-    EXPECT_EQ(nlohmann::json::parse(read("out/detail_baseline.json"))["variants"][0]["status"], "finished");
-}
-
-TEST_F(WatchText, DetailLeavesOutOneVariantThatIsUnreliable) {
-    // Euler's method makes energy in the jolt that rigid sheaves come with.
-    const Outcome outcome = run({"detail", "baseline", "--method", "euler", "--step", "20ns", "--settle", "1us", "--average", "1us",
-                                 "--control", "0 s", "-o", "out"});
-    EXPECT_EQ(outcome.status, 5);
-    EXPECT_THAT(outcome.err, HasSubstr("cvtflow-lab: baseline: each   8 pt rigid: unreliable: the residual of the energy balance is "));
-    EXPECT_THAT(outcome.out, ContainsRegex("\n  each   8 pt rigid +1684 +- +- +- +- +- +- +- +- +- +- +unreliable\n"));
-    EXPECT_THAT(read("out/detail_baseline.csv"), HasSubstr("\nhalves,each,8,rigid,1,1684,,,,,,,,,,unreliable,,,,,,\n"));
-    EXPECT_THAT(read("out/detail_baseline.json"), HasSubstr("\"status\": \"unreliable\""));
-}
-
 TEST_F(WatchText, AutomaticStepsAreChoicesWhereverAMethodAndItsStepAreRead) {
     const Outcome compare = run({"compare", "tiny", "leapfrog-rkc@auto", "rk4@auto", "--reference", "rk4@auto", "--rounds", "1", "--set",
                                  "start.settling_time=20us", "--set", "start.ramp_time=10us"});

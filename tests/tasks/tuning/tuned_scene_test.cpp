@@ -73,21 +73,18 @@ TEST_F(TunedScenes, OfOtherUnknownsBeginWithTheStateThatWasMeasured) {
     const TuneSettings any = settings();
     const TuneChoice other{"rigid", RunSettings{}.method, 0.25};
     ASSERT_FALSE(model::layout_of(chosen_scene(scene, other, 0.0).parameters) == model::layout_of(scene.parameters));
-    const auto outputs = tuned_outputs(any.outputs, true);
-    PointMeasure measure(points_of(scene, any.times).front(), "full", outputs, not_cancelled);
-    const PointRun expected = measure.run(other);
-    keep_tuning(folder_, tuning_key(scene, any), {other, expected.step, 0.01});
+    DialSweep dial(points_of(scene, any.times, tuned_outputs(any.outputs, true)), not_cancelled);
+    const double step = dial.step_of(other);
+    const double measured = dial.run(other, step, 0).values.at(0);
+    keep_tuning(folder_, tuning_key(scene, any), {other, step, 0.01});
     const TunedScene tuned = tuned_scene(scene, any, folder_, not_cancelled);
     ASSERT_FALSE(tuned.result) << "the choice is as kept";
     const fs::path state = tuned.scene.state_file;
     EXPECT_EQ(state.parent_path(), folder_.lexically_normal());
-    Simulation simulation(tuned.scene, Schedule{});
-    EXPECT_FALSE(simulation.needs_settling());
-
-    OutputReader reader(simulation.workspace().variator, outputs, 0, 0.0);
-    ASSERT_FALSE(simulation.advance({.until = any.times.average}, reader, not_cancelled));
-    const double measured = expected.values[0];
-    EXPECT_NEAR(reader.values()[0], measured, 1e-6 * measured) << "angles of the shafts begin anew";
+    EXPECT_FALSE(Simulation(tuned.scene, Schedule{}).needs_settling());
+    DialSweep after(points_of(tuned.scene, {0.0, any.times.average}, dial.points().outputs), not_cancelled);
+    EXPECT_NEAR(after.run({"", other.method}, step, 0).values.at(0), measured, 1e-4 * measured)
+        << "angles of the shafts begin anew, and so do steps";
 
     const auto written = fs::last_write_time(state);
     EXPECT_EQ(tuned_scene(scene, any, folder_, not_cancelled).scene.state_file, state);

@@ -75,8 +75,7 @@ TEST(Tuner, NeverTakesWhatBreaksDownHoweverCheapItIs) {
         static_cast<void>(tuner.tune(0.5));
         FAIL() << "nothing can be measured";
     } catch (const SimulationError& error) {
-        EXPECT_THAT(error.what(), testing::HasSubstr("no operating point has a reference"));
-        EXPECT_THAT(error.what(), testing::HasSubstr("start: the reference"));
+        EXPECT_THAT(error.what(), testing::StartsWith("tiny: no choice can be tried:\n  auto at rigid: a tip of pin "));
     }
 }
 
@@ -149,15 +148,57 @@ TEST(Tuner, RefusesAVehicleWhoseSpeedIsItsLoad) {
 
 TEST(Tuner, MeasuresAtPointsThatItHasNotTried) {
     const Scene scene = test::settled_tiny();
-    const TuneSettings settings = brief();
-    Tuner tuner(scene, settings, never_stopped);
-    const TuneChoice finest{std::string(detail_presets().back().name), RunSettings{}.method, 0.25};
-    for (const OperatingPoint& point : unseen_points(scene, settings.times, 2, 1)) {
-        std::string why;
-        const auto errors = tuner.errors_at(finest, point, 0.2, why);
-        ASSERT_EQ(errors.size(), 2u) << why;
-        EXPECT_LE(largest(errors), reference_share * 0.2) << "the reference itself, or twice its step";
+    Tuner tuner(scene, brief(), never_stopped);
+    TunedChoice finest;
+    finest.choice = {std::string(detail_presets().back().name), RunSettings{}.method, 0.25};
+    finest.step = 0.3e-6;
+    for (const UnseenPoint& point : tuner.verify(finest, unseen_points(scene, brief().times, tuner.points().outputs, 2, 1), 0.2)) {
+        ASSERT_EQ(point.errors.size(), 2u) << point.remark;
+        EXPECT_LE(largest(point.errors), reference_share * 0.2) << "about the reference itself";
     }
+}
+
+TEST(Tuner, MeasuresTheWholeTableAndWhatAnotherDigitCosts) {
+    TuneSettings settings = brief();
+    settings.all = true;
+    settings.outputs = {"tight_tension"};
+    settings.methods = {RunSettings{}.method, "rk4@100ns"};
+    const TuneResult result = Tuner(test::settled_tiny(), settings, never_stopped).tune(0.2);
+    EXPECT_EQ(result.tried(), static_cast<long>(result.choices.size()));
+    ASSERT_TRUE(result.chosen);
+    EXPECT_THAT(result.next_digit, testing::HasSubstr("within 2 %"));
+    const auto fixed = std::ranges::find(result.choices, 100e-9, &TunedChoice::step);
+    ASSERT_NE(fixed, result.choices.end());
+    EXPECT_THAT(fixed->choice.text(), testing::EndsWith("rk4, step 1e-7 s"));
+    for (const TunedChoice& one : result.choices) {
+        EXPECT_TRUE(one.outcome == "chosen" || one.outcome == "within the target" || one.error() * tuning_margin > 0.2) << one.outcome;
+        const bool beaten = std::ranges::any_of(result.choices, [&](const TunedChoice& other) {
+            return other.error() <= one.error() && other.seconds <= one.seconds &&
+                   (other.error() < one.error() || other.seconds < one.seconds);
+        });
+        EXPECT_EQ(one.front, !beaten && std::isfinite(one.error())) << one.choice.text();
+    }
+}
+
+/// A fixed step has to be right at every corner: it was that of the first case.
+TEST(Tuner, TakesTheShortestStepThatTheCornersOfASweepNeed) {
+    Sweep sweep;
+    sweep.name = "ratios";
+    sweep.scene = test::settled_tiny();
+    sweep.scene.run.until = 0.2e-3;
+    sweep.start = StartMode::settle;
+    sweep.scene.parameters.start.settling_time = 0.2e-3;
+    sweep.scene.parameters.start.ramp_time = 0.1e-3;
+    sweep.scalars = {tuned_outputs({"tight_tension"}, true).front().scalar};
+    sweep.axes = {Axis{"list",
+                       {find_parameter("joint.stiffness")},
+                       {sweep.scene.parameters.joint.stiffness, 4.0 * sweep.scene.parameters.joint.stiffness}}};
+    const std::vector<long> cases = corner_cases(sweep);
+    const TuneChoice half{"fine", RunSettings{}.method, 0.5};
+    const auto step_at = [&](const std::vector<long>& some) { return DialSweep(points_of(sweep, some), never_stopped).step_of(half); };
+    ASSERT_EQ(cases.size(), 2u);
+    EXPECT_EQ(step_at(cases), std::min(step_at({0}), step_at({1})));
+    EXPECT_NE(step_at({0}), step_at({1}));
 }
 
 const engine::Cancellation on_and_on;
@@ -167,7 +208,7 @@ struct UnseenTally {
 };
 
 /// Tunes, tries further points, and prints the results on stdout.
-void try_unseen(Tuner& tuner, const std::vector<OperatingPoint>& points, double accuracy, const std::string& name, UnseenTally& tally) {
+void try_unseen(Tuner& tuner, const OperatingPoints& points, double accuracy, const std::string& name, UnseenTally& tally) {
     const TuneResult result = tuner.tune(accuracy);
     if (!result.chosen) {
         std::cout << name << " " << accuracy << ": nothing is within it\n";
@@ -176,12 +217,10 @@ void try_unseen(Tuner& tuner, const std::vector<OperatingPoint>& points, double 
     const TunedChoice& chosen = result.choices[*result.chosen];
     std::cout << name << " " << accuracy << ": " << chosen.choice.text() << ", " << chosen.error() << " at " << result.points.size()
               << " points, " << result.wall << " s;";
-    for (const OperatingPoint& point : points) {
-        std::string why;
-        const auto errors = tuner.errors_at(chosen.choice, point, accuracy, why);
-        std::cout << " " << (errors.empty() ? why : std::to_string(largest(errors)));
-        tally.points += !errors.empty();
-        tally.missed += !errors.empty() && !(largest(errors) <= accuracy);
+    for (const UnseenPoint& point : tuner.verify(chosen, points, accuracy)) {
+        std::cout << " " << (point.errors.empty() ? point.remark : std::to_string(largest(point.errors)));
+        tally.points += !point.errors.empty();
+        tally.missed += !point.errors.empty() && !(largest(point.errors) <= accuracy);
     }
     std::cout << std::endl;
 }
@@ -193,7 +232,7 @@ TEST(DeepUnseenPoints, OfTheSmallestSceneAreWithinFivePerCent) {
     const Scene scene = ready_tiny();
     Tuner tuner(scene, settings, on_and_on);
     UnseenTally tally;
-    try_unseen(tuner, unseen_points(scene, settings.times, 2, 11), 0.05, "tiny", tally);
+    try_unseen(tuner, unseen_points(scene, settings.times, tuner.points().outputs, 2, 11), 0.05, "tiny", tally);
     EXPECT_EQ(tally.points, 2);
     EXPECT_EQ(tally.missed, 0);
 }
@@ -215,7 +254,7 @@ TEST_P(NightlyUnseenPoints, OfAReadySceneAreWithinTheTargetInNineteenOfTwenty) {
     Tuner tuner(scene, settings, on_and_on);
     UnseenTally tally;
     for (const double accuracy : {0.05, 0.01, 0.002})
-        try_unseen(tuner, unseen_points(scene, settings.times, 3, 11), accuracy, GetParam(), tally);
+        try_unseen(tuner, unseen_points(scene, settings.times, tuner.points().outputs, 3, 11), accuracy, GetParam(), tally);
     expect_nineteen_of_twenty(tally);
 }
 
@@ -238,8 +277,7 @@ TEST_P(NightlyUnseenPointsOfHalves, OfTheReadySweepAreWithinTheTarget) {
                    axis.values.begin() + static_cast<std::ptrdiff_t>(begin + half)};
     const TuneSettings settings;
     Tuner tuner(sweep, settings, on_and_on);
-    std::vector<OperatingPoint> points;
-    for (const long number : {sweep.cases() / 3, sweep.cases() / 2}) points.push_back(point_of_case(sweep, number));
+    const OperatingPoints points = points_of(sweep, {sweep.cases() / 3, sweep.cases() / 2});
     UnseenTally tally;
     for (const double accuracy : {0.05, 0.01}) try_unseen(tuner, points, accuracy, "slip_efficiency", tally);
     expect_nineteen_of_twenty(tally);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "tools/program/plot/plot.hpp"
+#include "tools/program/drawing.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -28,7 +28,7 @@ std::string brief(const std::string& reason) {
 std::string detail_cell(const tasks::TuneChoice& choice) { return choice.detail.empty() ? "own" : choice.detail; }
 
 std::string step_cell(const tasks::TunedChoice& choice) {
-    if (choice.choice.share == 1.0) return "auto";
+    if (choice.choice.share == 1.0 && choice.choice.step == 0.0) return "auto";
     return choice.step > 0.0 ? time_text(choice.step) : fmt::format("auto/{:g}", 1.0 / choice.choice.share);
 }
 
@@ -89,12 +89,13 @@ std::string tune_text(const tasks::TuneResult& result) {
     text += field("chosen", result.chosen ? fmt::format("{}: {:.3g} s/s, {}", result.choices[*result.chosen].choice.text(),
                                                         result.choices[*result.chosen].seconds, margin)
                                           : "none: " + result.why_none());
+    if (result.chosen) text += field("one more digit", result.next_digit);
     return text + field("took", clock_text(result.wall));
 }
 
 std::string tune_csv(const tasks::TuneResult& result) { return report_csv(choice_columns(result.outputs), result.choices); }
 
-std::string tune_json(const tasks::TuneResult& result, const std::vector<UnseenPoint>& unseen) {
+nlohmann::ordered_json tune_json(const tasks::TuneResult& result, const std::vector<tasks::UnseenPoint>& unseen) {
     using nlohmann::ordered_json;
     auto rows = ordered_json::array(), points = ordered_json::array();
     for (const tasks::TunedChoice& c : result.choices) {
@@ -111,57 +112,34 @@ std::string tune_json(const tasks::TuneResult& result, const std::vector<UnseenP
                         {"front", c.front},
                         {"standing", c.outcome}});
     }
-    for (const UnseenPoint& point : unseen) points.push_back({{"point", point.name}, {"errors", point.errors}, {"remark", point.remark}});
-    return json_text({{"scene", result.scene},
-                      {"provenance", provenance_json()},
-                      {"accuracy", result.accuracy},
-                      {"margin", tasks::tuning_margin},
-                      {"outputs", result.outputs},
-                      {"points", result.points},
-                      {"references", result.references},
-                      {"left_out", result.left_out},
-                      {"chosen", result.chosen ? ordered_json(*result.chosen) : ordered_json()},
-                      {"budget_used_up_by", result.used_up_by.empty() ? ordered_json() : ordered_json(result.used_up_by)},
-                      {"choices", rows},
-                      {"unseen", points},
-                      {"wall", result.wall}});
+    for (const tasks::UnseenPoint& point : unseen)
+        points.push_back({{"point", point.name}, {"errors", point.errors}, {"remark", point.remark}});
+    return ordered_json{{"scene", result.scene},
+                        {"provenance", provenance_json()},
+                        {"accuracy", result.accuracy},
+                        {"margin", tasks::tuning_margin},
+                        {"outputs", result.outputs},
+                        {"points", result.points},
+                        {"references", result.references},
+                        {"left_out", result.left_out},
+                        {"chosen", result.chosen ? ordered_json(*result.chosen) : ordered_json()},
+                        {"budget_used_up_by", result.used_up_by.empty() ? ordered_json() : ordered_json(result.used_up_by)},
+                        {"choices", rows},
+                        {"unseen", points},
+                        {"next_digit", result.next_digit},
+                        {"wall", result.wall}};
 }
 
-std::string tune_picture(const tasks::TuneResult& result) {
-    Plot plot;
-    plot.title = "Cost and error: " + result.scene;
-    plot.subtitle = fmt::format("largest error of {} at {}; a choice that failed at one point was not tried at the others",
-                                fmt::join(result.outputs, ", "), plural(static_cast<long>(result.points.size()), "operating point"));
-    plot.x = {"processor time per simulated second [s]", Scale::logarithmic, 1.0, {}, {}};
-    plot.y = {"largest error [%]", Scale::logarithmic, 1.0, {}, {}};
-    double least = 1e300, most = 0.0;
-    for (const tasks::TunedChoice& c : result.choices) {
-        if (!c.tried || !std::isfinite(c.error())) continue;
-        least = std::min(least, c.seconds);
-        most = std::max(most, c.seconds);
-        const double error = std::max(100.0 * c.error(), 1e-6);
-        plot.series.push_back({.name = fmt::format("{}, {}, {}", detail_cell(c.choice), c.choice.method, step_cell(c)),
-                               .points = {{c.seconds, error}},
-                               .mark = c.outcome == "chosen" ? Mark::square : Mark::dot,
-                               .colour = {}});
-    }
-    if (most > 0.0) {
-        const double allowed = 100.0 * result.accuracy / tasks::tuning_margin;
-        plot.series.push_back({.name = "allowed",
-                               .points = {{0.8 * least, allowed}, {1.25 * most, allowed}},
-                               .mark = Mark::none,
-                               .line = Line::dashed,
-                               .colour = "#666666"});
-    }
-    return svg(plot);
+std::string tune_picture(const nlohmann::ordered_json& json, const std::string& mark) {
+    return drawn({{"command", "choices"}, {"format", "svg"}, {"mark", mark}, {"tuning", json}});
 }
 
-std::string unseen_text(const tasks::TuneResult& result, const std::vector<UnseenPoint>& unseen) {
+std::string unseen_text(const tasks::TuneResult& result, const std::vector<tasks::UnseenPoint>& unseen) {
     std::vector<Table::Column> columns{{"point not used by tuning"}};
     for (const std::string& output : result.outputs) columns.push_back({output + " %", Align::right});
     columns.push_back({""});
     Table table(columns);
-    for (const UnseenPoint& point : unseen) {
+    for (const tasks::UnseenPoint& point : unseen) {
         std::vector<std::string> cells{point.name};
         for (std::size_t i = 0; i < result.outputs.size(); ++i) cells.push_back(point.errors.empty() ? "" : percent_cell(point.errors[i]));
         cells.push_back(!point.remark.empty() ? point.remark : tasks::largest(point.errors) <= result.accuracy ? "" : "misses the target");

@@ -25,35 +25,12 @@ struct CompareArguments {
     std::vector<std::string> choices;
     std::string reference = "rk4@12.5ns", duration = "240us", interval = "12us", pin;
     int rounds = 3;
-    bool newton = false, front = false, quiet = false;
-    FrontArguments far;
+    bool newton = false, quiet = false;
     OutputArguments output;
 };
 
 const std::vector<std::string> usual_choices{"rk4@50ns", "dumka3-p5@2us", "dumka3-p7@3us", "leapfrog-chebyshev@auto",
                                              "leapfrog-sweep@auto"};
-const std::vector<std::string> front_choices{"rk4@50ns",
-                                             "rk4@25ns",
-                                             "dumka3-p4@2us",
-                                             "dumka3-p5@2us",
-                                             "dumka3-p5@3us",
-                                             "dumka3-p7@3us",
-                                             "rkc-s12@1us",
-                                             "rock2-s9@1us",
-                                             "rock4-s7@150ns",
-                                             "fitted-l130-w1.9@2us",
-                                             "fitted-l270-w4@4us",
-                                             "leapfrog-rkc@0.5us",
-                                             "leapfrog-rkc@1us",
-                                             "leapfrog-rkc@1.5us",
-                                             "leapfrog-rkc@2us",
-                                             "leapfrog-rkc@auto",
-                                             "leapfrog-chebyshev@1us",
-                                             "leapfrog-chebyshev@2us",
-                                             "leapfrog-chebyshev@auto",
-                                             "leapfrog-sweep@1us",
-                                             "leapfrog-sweep@auto"};
-
 /// All variants of Newton's method and all linearly implicit methods, at 2 us.
 std::vector<std::string> implicit_choices() {
     std::vector<std::string> choices;
@@ -122,7 +99,6 @@ void write_files(const CompareArguments& arguments, const std::vector<ComparedCh
     OutputFolder folder(arguments.output);
     folder.write("compare_" + setting.scene + ".csv", compare_csv(choices, setting));
     folder.write("compare_" + setting.scene + ".json", compare_json(choices, setting));
-    if (setting.front) folder.write("compare_" + setting.scene + ".svg", svg(front_plot(choices, setting)));
     if (setting.pin) {
         folder.write("pin-force.csv", pin_csv(choices, reference, setting));
         folder.write("pin-force.svg", svg(pin_plot(choices, reference, setting)));
@@ -141,7 +117,6 @@ void report(const CompareArguments& arguments, const std::vector<ComparedChoice>
     fmt::print("{}", compare_table(choices, setting));
     const std::string brief = too_short(reference.watch);
     if (!brief.empty()) fmt::print("{}", field("too short", brief));
-    if (setting.front) fmt::print("{}", recommendations(choices, setting));
     write_files(arguments, choices, reference, setting);
 }
 
@@ -167,23 +142,17 @@ ExitStatus run_compare(const CompareArguments& arguments) try {
     MeasureSettings settings{read_time("--duration", arguments.duration), read_time("--interval", arguments.interval),
                              read_choice(arguments.reference)};
     require_pin(arguments.pin, scene.parameters.chain.pins);
-    const ConfirmSettings far = confirm_settings(arguments.far, settings.interval);
     settings.start = settled(arguments, scene);
     const ErrorMeasure measure(scene, settings, cancel);
     CompareSetting setting = setting_of(arguments, scene.name, measure.reference());
     setting.pin = pin_of(arguments.pin, measure.reference(), scene.parameters);
-    if (arguments.front) require_reliable(scene.name, arguments.reference, measure.reference());
     complain("the reference, " + arguments.reference, measure.reference());
-    std::unique_ptr<ParetoFront> front;  // before the choices: its reference may fail
-    if (arguments.front) front = std::make_unique<ParetoFront>(scene, far, cancel, [&](const std::string& what) { say(arguments, what); });
     std::vector<ComparedChoice> choices = measure_all(arguments, measure, cancel);
     if (choices.empty()) return ExitStatus::cancelled;
     for (ComparedChoice& choice : choices) {
         if (setting.pin) choice.pin_error = pin_error(choice.run, measure.reference(), setting.pin->pin);
         complain(choice.choice, choice.run);
     }
-    if (front) front->judge(choices, setting);
-    if (cancel.requested()) return ExitStatus::cancelled;
     report(arguments, choices, measure.reference(), setting);
     return ExitStatus::finished;
 } catch (const tasks::SimulationError&) {  // a reference that was interrupted
@@ -198,9 +167,6 @@ constexpr const char* explanation =
     "balance does not close are unreliable, whatever their errors. run.schedule = \"auto\" means serial here.\n"
     "--newton: iterations, Jacobians and halvings per step of the trapezoidal rule; fell back: steps that needed an additional\n"
     "Jacobian; unconverged: steps that used the best iterate.\n"
-    "--front: no other choice is both faster and more accurate than one on the front. Choices on the front or recommended run\n"
-    "again over --confirm, cheapest first, because bursts are rare. Choices with unstable steps, unreliable runs, or errors of mean\n"
-    "slip or losses above 1 % there are marked, and neither on the front nor recommended.\n"
     "  cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us fitted@3us dopri54@1us~1e-3\n"
     "  cvtflow-lab compare baseline --pin first --duration 1ms -o results/pin\n"
     "  cvtflow-lab compare baseline --newton --duration 48us";
@@ -210,10 +176,9 @@ constexpr const char* explanation =
 Action declare_compare(CLI::App& app) {
     const auto arguments = std::make_shared<CompareArguments>();
     declare_scene(app, arguments->scene);
-    app.add_option(
-           "CHOICE", arguments->choices,
-           "METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE; ratios refer to the first one (default: five, more with --front, "
-           "all implicit ones with --newton)")
+    app.add_option("CHOICE", arguments->choices,
+                   "METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE; ratios refer to the first one (default: five, "
+                   "all implicit ones with --newton)")
         ->type_name("");
     app.add_option("--reference", arguments->reference, "Reference of the errors")->type_name("CHOICE")->capture_default_str();
     app.add_option("--duration", arguments->duration, "Simulated time")->type_name("TIME")->capture_default_str();
@@ -222,16 +187,12 @@ Action declare_compare(CLI::App& app) {
     app.add_option("--pin", arguments->pin, "Also compare the axial force of a pin: N, or first: the first that enters the driving sheaves")
         ->type_name("N");
     app.add_flag("--newton", arguments->newton, "Also show how Newton's method converged");
-    CLI::Option* const front =
-        app.add_flag("--front", arguments->front, "Also find the Pareto front, confirm it by longer runs, and recommend choices");
-    declare_front(app, front, arguments->far);
     declare_fresh_start(app, arguments->scene);
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(explanation);
     return [arguments] {
-        if (arguments->choices.empty())
-            arguments->choices = arguments->newton ? implicit_choices() : arguments->front ? front_choices : usual_choices;
+        if (arguments->choices.empty()) arguments->choices = arguments->newton ? implicit_choices() : usual_choices;
         return run_compare(*arguments);
     };
 }

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/measure/settled_start.hpp"
+#include "bench/lab/settled_start.hpp"
 #include "bench/method/analysis/order.hpp"
 #include "bench/study/method_run.hpp"
 #include "bench/study/stability/frozen_step.hpp"

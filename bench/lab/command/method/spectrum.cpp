@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/measure/settled_start.hpp"
 #include "bench/lab/report/method/spectrum_report.hpp"
+#include "bench/lab/settled_start.hpp"
 #include "bench/method/linear/eigenvalues.hpp"
 #include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/measure/settled_start.hpp"
 #include "bench/lab/report/method/stability_report.hpp"
+#include "bench/lab/settled_start.hpp"
 #include "bench/method/analysis/stability.hpp"
 #include "bench/method/laboratory_methods.hpp"
 #include "bench/method/linear/eigenvalues.hpp"

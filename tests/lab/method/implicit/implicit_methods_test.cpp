@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bench/method/implicit/catalogue.hpp"
-#include "bench/study/tradeoff/error_measure.hpp"
+#include "bench/study/error_measure.hpp"
 #include "jacobian_fixture.hpp"
 #include "tests/claims/method_trial_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"

@@ -89,7 +89,7 @@ std::string detail() {
            "tensions, slip: median error at seven operating points, relative to the finest level at a quarter of its step.\n"
            "Slip of \"rigid\" is off by 5.9 % at most.\n"
            "A scene names a level by detail.level, a command by --detail.\n"
-           "cvtflow-lab detail SCENE --levels measures your scene; cvtflow tune SCENE chooses the level.\n";
+           "cvtflow tune SCENE chooses the level, with --all it measures every level at your scene.\n";
 }
 
 std::string channels() {

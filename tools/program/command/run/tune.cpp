@@ -3,12 +3,14 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "tasks/tuning/tuned_scene.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/program.hpp"
+#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 #include "tools/program/text/tune_report.hpp"
 
@@ -19,29 +21,16 @@ namespace {
 struct TuneArguments {
     SceneArguments scene;
     TuningArguments tuning;
-    std::string file;
-    int verify = 0;
-    bool force = false, quiet = false;
+    std::string file, levels;
+    std::size_t verify = 0;
+    bool all = false, force = false, quiet = false;
     OutputArguments output;
 };
 
-/// Errors of the chosen variant at `count` operating points that tuning did not use.
-std::vector<UnseenPoint> verify(tasks::Tuner& tuner, const tasks::Scene& scene, const tasks::TuneSettings& settings,
-                                const tasks::TuneResult& result, int count) {
-    std::vector<UnseenPoint> unseen;
-    for (const tasks::OperatingPoint& point : tasks::unseen_points(scene, settings.times, count, scene.run.seed)) {
-        if (settings.progress) settings.progress("verifying at " + point.name);
-        UnseenPoint& made = unseen.emplace_back();
-        made.name = point.name;
-        made.errors = tuner.errors_at(result.choices[*result.chosen].choice, point, settings.accuracy, made.remark);
-    }
-    return unseen;
-}
-
 /// Whether at most one point in twenty misses the target.
-bool held(const std::vector<UnseenPoint>& unseen, double accuracy) {
+bool held(const std::vector<tasks::UnseenPoint>& unseen, double accuracy) {
     std::size_t missed = 0, judged = 0;
-    for (const UnseenPoint& point : unseen) {
+    for (const tasks::UnseenPoint& point : unseen) {
         judged += !point.errors.empty();
         missed += !point.errors.empty() && !(tasks::largest(point.errors) <= accuracy);
     }
@@ -68,21 +57,33 @@ TunedFiles permit_files(const TuneArguments& arguments, const tasks::Scene& scen
     return files;
 }
 
-void write_tuned(const TunedFiles& files, tasks::Tuner& tuner, const tasks::Scene& scene, const tasks::TuneResult& result) {
+/// @param picture empty: none could be drawn
+void write_tuned(const TunedFiles& files, tasks::Tuner& tuner, const tasks::Scene& scene, const tasks::TuneResult& result,
+                 const std::string& picture) {
     const tasks::TunedChoice& chosen = result.choices[*result.chosen];
     std::string place;
     if (tasks::needs_own_state(scene, tasks::chosen_scene(scene, chosen.choice, chosen.step))) {
         place = std::filesystem::absolute(files.state.path()).lexically_normal().string();
-        engine::write_state(files.state, tuner.settled_state(chosen.choice));
+        engine::write_state(files.state, tuner.settled_state(chosen.choice, chosen.step));
     }
     engine::write_whole(files.scene, tasks::tuned_text(scene, result, place));
-    engine::write_whole(files.picture, marked(tune_picture(result), mark_of("picture", scene.name)));
-    fmt::print("{}", field("written", fmt::format("{}, {}{}", files.scene.path(), files.picture.path(),
+    if (!picture.empty()) engine::write_whole(files.picture, picture);
+    fmt::print("{}", field("written", fmt::format("{}{}{}", files.scene.path(), picture.empty() ? "" : ", " + files.picture.path(),
                                                   place.empty() ? "" : ", " + files.state.path())));
+}
+
+/// Empty where Python or a library is missing: the search took minutes, and its numbers are there.
+std::string picture_of(const nlohmann::ordered_json& json, const std::string& scene) try {
+    return tune_picture(json, mark_of("picture", scene));
+} catch (const std::runtime_error& missing) {
+    print_error(fmt::format("no picture: {}", missing.what()));
+    return {};
 }
 
 ExitStatus tune(TuneArguments& arguments) try {
     tasks::TuneSettings settings = tune_settings(arguments.tuning, arguments.quiet);
+    settings.all = arguments.all;
+    settings.levels = names_of(arguments.levels);
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
     say(arguments.quiet, loaded.notice);
@@ -92,16 +93,19 @@ ExitStatus tune(TuneArguments& arguments) try {
     tasks::Tuner tuner(scene, settings, catch_interrupts());
     const tasks::TuneResult result = tuner.tune(settings.accuracy);
     fmt::print("{}", tune_text(result));
-    std::vector<UnseenPoint> unseen;
-    if (result.chosen) {
-        unseen = verify(tuner, scene, settings, result, arguments.verify);
-        if (!unseen.empty()) fmt::print("{}", unseen_text(result, unseen));
-        write_tuned(files, tuner, scene, result);
+    std::vector<tasks::UnseenPoint> unseen;
+    if (result.chosen && arguments.verify > 0) {
+        const auto points = tasks::unseen_points(scene, settings.times, tuner.points().outputs, arguments.verify, scene.run.seed);
+        unseen = tuner.verify(result.choices[*result.chosen], points, settings.accuracy);
+        fmt::print("{}", unseen_text(result, unseen));
     }
     OutputFolder folder(arguments.output);
+    const nlohmann::ordered_json json = tune_json(result, unseen);
+    const std::string picture = result.chosen || arguments.output.any() ? picture_of(json, scene.name) : "";
+    if (result.chosen) write_tuned(files, tuner, scene, result, picture);
     folder.write("tune_" + result.scene + ".csv", tune_csv(result));
-    folder.write("tune_" + result.scene + ".json", tune_json(result, unseen));
-    folder.write("tune_" + result.scene + ".svg", tune_picture(result));
+    folder.write("tune_" + result.scene + ".json", json_text(json));
+    if (!picture.empty()) folder.write("tune_" + result.scene + ".svg", picture);
     fmt::print("{}", folder.written());
     if (!result.chosen && !result.used_up_by.empty()) return ExitStatus::budget;
     return result.chosen && held(unseen, settings.accuracy) ? ExitStatus::finished : ExitStatus::inaccurate;
@@ -120,6 +124,11 @@ Action declare_tune(CLI::App& app) {
     app.add_option("--verify", arguments->verify, "Measure the choice at N further operating points that tuning did not use")
         ->type_name("N")
         ->check(CLI::Range(0, 1000));
+    app.add_option("--levels", arguments->levels,
+                   "Levels of detail to choose from, separated by commas: LEVEL, or LEVEL KEY=VALUE such as \"full detail.plates=lumped\" "
+                   "(default: all, and the scene's)")
+        ->type_name("LIST");
+    app.add_flag("--all", arguments->all, "Measure every choice at every point: the whole table of cost and error");
     app.add_option("--write", arguments->file,
                    "Scene to write, with a picture beside it, and a state if the detail requires one (default: SCENE.tuned.toml, replaced "
                    "with a notice)")
@@ -128,8 +137,9 @@ Action declare_tune(CLI::App& app) {
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "Print no progress");
     app.footer(
-        "Tries levels of detail (cvtflow list detail) with the cheapest methods, at the automatic step, a half and a quarter of it, "
-        "cheapest first.\nOperating points: the scene's start, and the lowest and highest value of every table over time. Reference: the "
+        "Tries levels of detail (cvtflow list detail) with the methods that auto chooses among, at the automatic step, a half and a "
+        "quarter\nof it, cheapest first. Operating points: the scene's start, and the lowest and highest value of every table over time. "
+        "Reference: the "
         "finest level at\na quarter of its step or less. Chooses the first variant whose errors times " +
         fmt::format("{:g}", tasks::tuning_margin) +
         " meet the accuracy at every point;\nunreliable variants are never chosen. front: no other variant is both cheaper and more "

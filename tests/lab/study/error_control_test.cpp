@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "bench/study/error_measure.hpp"
 #include "bench/study/run_watch.hpp"
 #include "bench/study/spectrum.hpp"
 #include "bench/study/stability/frozen_step.hpp"
-#include "bench/study/tradeoff/error_measure.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/spectral_bound.hpp"
 #include "tasks/run/simulation.hpp"

@@ -1,4 +1,4 @@
-#include "bench/lab/measure/settled_start.hpp"
+#include "bench/lab/settled_start.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "tasks/tuning/point_measure.hpp"
+#include "tasks/tuning/dial.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,6 @@
 #include "model/parameters/chain_layout.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"
-#include "tasks/tuning/output.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
@@ -22,34 +21,36 @@ using model::End;
 
 const engine::Cancellation uncancelled;
 
+DialSweep dial_of(const Scene& scene, const PointTimes& times, const std::vector<std::string>& outputs) {
+    return {points_of(scene, times, tuned_outputs(outputs, true)), uncancelled};
+}
+
 /// Whether means of `baseline` with settings, at rigid, are unsteady.
 bool unsteady(const std::vector<std::string>& settings) {
     Scene scene = read_scene(find_scene("baseline"));
     set_values(scene, settings);
-    const auto outputs = tuned_outputs({"slip"}, true);
-    PointMeasure measure(points_of(scene, {}).front(), "rigid", outputs, uncancelled);
-    return measure.run({"rigid", RunSettings{}.method, 1.0}).unsteady;
+    return dial_of(scene, {}, {"slip"}).run({"rigid", RunSettings{}.method}, 0.0, 0).unsteady;
 }
 
 /// A start state of another speed: 20 ms later the machine still accelerates, and errors are those of that.
-TEST(PointMeasure, FindsMeansThatStillChange) {
+TEST(DialSweep, FindsMeansThatStillChange) {
     EXPECT_FALSE(unsteady({}));
     EXPECT_TRUE(unsteady({"drive.speed=3000 rpm", "load.torque=90", "clamping.driving=25.5 kN"}));
 }
 
 /// The shortest window has no mean over a pin period.
-TEST(PointMeasure, ReferencesStateMeansThatStillChange) {
-    const Scene scene = read_scene(find_scene("baseline"));
-    const auto outputs = tuned_outputs({"tight_tension"}, true);
-    PointMeasure brief(points_of(scene, {1e-3, 0.2e-3}).front(), "rigid", outputs, uncancelled);
-    ASSERT_NE(brief.reference(0.5), nullptr);
-    EXPECT_THAT(brief.reference_text(), testing::HasSubstr("unsteady: its means still change"));
+TEST(DialSweep, ReferencesStateMeansThatStillChange) {
+    DialSweep brief = dial_of(test::settled_tiny(), {1e-3, 0.2e-3}, {"tight_tension"});
+    const DialSweep::Reference& reference = brief.reference(0, 0.5);
+    ASSERT_NE(reference.run, nullptr);
+    EXPECT_THAT(reference.text, testing::HasSubstr("unsteady: its means still change"));
 }
 
-std::vector<std::string> names(const std::vector<OperatingPoint>& points) {
-    std::vector<std::string> found;
-    for (const OperatingPoint& point : points) found.push_back(point.name);
-    return found;
+/// A case of a tuned sweep is the run that was measured, bit for bit: one engine runs both.
+TEST(DialSweep, RunsAChoiceAsASweepDoes) {
+    DialSweep dial = dial_of(test::settled_tiny(), {0.5e-3, 0.5e-3}, {"tight_tension", "slack_tension"});
+    EXPECT_EQ(dial.run({"rigid", RunSettings{}.method}, 2e-6, 0).values, dial.run({"rigid", RunSettings{}.method}, 2e-6, 0).values);
+    EXPECT_NE(dial.run({"rigid", RunSettings{}.method}, 2e-6, 0).values, dial.run({"rigid", RunSettings{}.method}, 1e-6, 0).values);
 }
 
 Scene with(const std::vector<std::string>& settings) {
@@ -58,49 +59,48 @@ Scene with(const std::vector<std::string>& settings) {
     return scene;
 }
 
-TEST(OperatingPoints, OfASceneWithConstantInputsAreItsStart) {
-    const auto points = points_of(ready_tiny(), {1e-3, 2e-3});
-    EXPECT_THAT(names(points), testing::ElementsAre("start"));
-    EXPECT_EQ(points[0].from, 1e-3);
-    EXPECT_EQ(points[0].until, 3e-3);
-    EXPECT_EQ(points[0].scene.run.until.value, 3e-3);
+/// The scene of a point.
+Scene scene_at(const OperatingPoints& points, std::size_t point) {
+    Scene scene = points.sweep.scene;
+    points.sweep.apply_case(points.cases[point], scene);
+    return scene;
 }
 
-/// Points settle as a run does: else levels are compared from one settled state, and the run of the cheaper one settles to another.
-TEST(OperatingPoints, OfASceneWithoutAStateThatFitsSettleByThemselves) {
-    Scene scene = test::settled_tiny();
-    EXPECT_FALSE(points_of(scene, {}).front().settles);
-    scene.state_file.clear();
-    EXPECT_TRUE(points_of(scene, {}).front().settles);
-    EXPECT_TRUE(unseen_points(scene, {}, 1, 1).front().settles);
+std::vector<TunedOutput> usual() { return tuned_outputs({}, true); }
+
+TEST(OperatingPoints, OfASceneWithConstantInputsAreItsStart) {
+    const OperatingPoints points = points_of(ready_tiny(), {1e-3, 2e-3}, usual());
+    EXPECT_THAT(points.names, testing::ElementsAre("start"));
+    EXPECT_EQ(points.sweep.from, 1e-3);
+    EXPECT_EQ(points.sweep.scene.run.until.value, 3e-3);
 }
 
 TEST(OperatingPoints, HoldEveryTableAtItsEndsAndTheOthersAsTheyBegin) {
     const Scene scene = with({"load.torque=[[0, 10], [1, 16], [2, 4]]", "clamping.driven=[[0, 5000], [1, 6000]]"});
-    const auto points = points_of(scene, {});
-    EXPECT_THAT(names(points),
-                testing::UnorderedElementsAre("start", "load.torque = 4 N*m", "load.torque = 16 N*m", "clamping.driven = 6000 N"));
-    for (const OperatingPoint& point : points) {
-        EXPECT_EQ(point.scene.parameters.load.torque.value.size(), 1u) << point.name;
-        const bool own = point.name.starts_with("load");
-        EXPECT_EQ(point.scene.parameters.load.torque.at(0.0) == 10.0, !own) << point.name;
+    const OperatingPoints points = points_of(scene, {}, usual());
+    EXPECT_THAT(points.names, testing::ElementsAre("start", "load.torque = 4 N*m", "load.torque = 16 N*m", "clamping.driven = 6000 N"));
+    for (std::size_t i = 0; i < points.cases.size(); ++i) {
+        const Scene at = scene_at(points, i);
+        EXPECT_EQ(at.parameters.load.torque.value.size(), 1u) << points.names[i];
+        EXPECT_EQ(at.parameters.load.torque.at(0.0) == 10.0, !points.names[i].starts_with("load")) << points.names[i];
     }
 }
 
 TEST(OperatingPoints, ThatAreUnseenLieBetweenThoseEnds) {
     const Scene scene = with({"load.torque=[[0, 10], [1, 16], [2, 4]]"});
-    const auto points = unseen_points(scene, {}, 20, 7);
+    const OperatingPoints points = unseen_points(scene, {}, usual(), 20, 7);
     double low = 1e9, high = 0.0;
-    for (const OperatingPoint& point : points) {
-        const double torque = point.scene.parameters.load.torque.at(0.0), driving = point.scene.parameters.clamping.driving.at(0.0);
-        EXPECT_TRUE(torque > 4.0 && torque < 16.0) << point.name;
+    for (std::size_t i = 0; i < 20; ++i) {
+        const model::Parameters at = scene_at(points, i).parameters;
+        const double torque = at.load.torque.at(0.0), driving = at.clamping.driving.at(0.0);
+        EXPECT_TRUE(torque > 4.0 && torque < 16.0) << points.names[i];
         EXPECT_NEAR(driving, 7700.0, 0.05 * 7700.0);
         EXPECT_NE(driving, 7700.0);
         low = std::min(low, torque), high = std::max(high, torque);
     }
     EXPECT_GT(high - low, 6.0) << "twenty of twelve N m";
-    EXPECT_EQ(names(points), names(unseen_points(scene, {}, 20, 7)));
-    EXPECT_NE(names(points), names(unseen_points(scene, {}, 20, 8)));
+    EXPECT_EQ(points.names, unseen_points(scene, {}, usual(), 20, 7).names);
+    EXPECT_NE(points.names, unseen_points(scene, {}, usual(), 20, 8).names);
 }
 
 Sweep sweep_over(std::vector<Axis> axes) {
@@ -197,8 +197,8 @@ TEST(DetailState, OfRigidPinsComesBackFromHalves) {
 
 TEST(TunedOutputs, WithoutNamesAreTheUsualFiguresThatTheMachineHas) {
     std::vector<std::string> all, ring;
-    for (const TunedOutput& output : tuned_outputs(std::vector<std::string>{}, true)) all.push_back(output.name);
-    for (const TunedOutput& output : tuned_outputs(std::vector<std::string>{}, false)) ring.push_back(output.name);
+    for (const TunedOutput& output : tuned_outputs({}, true)) all.push_back(output.name);
+    for (const TunedOutput& output : tuned_outputs({}, false)) ring.push_back(output.name);
     EXPECT_THAT(all, testing::ElementsAre("slip", "efficiency", "tight_tension", "tips"));
     EXPECT_THAT(ring, testing::ElementsAre("tight_tension")) << "a chain without pulleys has neither slip nor tips that touch";
 }
@@ -216,65 +216,13 @@ TEST(TunedOutputs, TakeScalarsAsSweepsWriteThemAndRefuseWhatIsNeither) {
 }
 
 TEST(TunedOutputs, ErrorsAreRelativeAndThoseOfEfficiencyPercentagePoints) {
-    const auto outputs = tuned_outputs({"slip", "efficiency", "tight_tension"}, true);
+    const auto outputs = tuned_outputs({"slip", "efficiency", "tight_tension", "losses"}, true);
     EXPECT_DOUBLE_EQ(outputs[0].error(0.003, 0.004), 0.25);
     EXPECT_DOUBLE_EQ(outputs[0].error(0.0, 1e-5), 0.1) << "creep below 1e-4 is compared with that";
     EXPECT_DOUBLE_EQ(outputs[1].error(0.97, 0.98), 0.98 - 0.97);
     EXPECT_DOUBLE_EQ(outputs[2].error(110.0, 100.0), 0.1);
+    EXPECT_DOUBLE_EQ(outputs[3].error(0.97, 0.98), (0.98 - 0.97) / (1.0 - 0.98)) << "of the losses";
     EXPECT_EQ(outputs[0].error(std::nan(""), 1.0), std::numeric_limits<double>::infinity());
-}
-
-/// Gives outputs to two readers and keeps what the mean of a figure is made of.
-struct TwoReaders final : RunObserver {
-    OutputReader &all, &late;
-    model::Observer eye;
-    std::vector<double> time, slip, tight;
-    double pin_period = 0.0;
-    TwoReaders(OutputReader& a, OutputReader& b, const model::Variator& variator) : all(a), late(b), eye(variator) {}
-    void output(double now, const Workspace& w, const Counters& c) override {
-        all.output(now, w, c);
-        late.output(now, w, c);
-        const model::Observation& seen = eye.observe(now, w.state(), w.tips.phases.data());
-        time.push_back(now);
-        slip.push_back(seen.slip);
-        tight.push_back(seen.tight);
-        pin_period = w.pin_period();
-    }
-    void transition(const TransitionRecord&) override {}
-    /// Over the last whole pin periods, values linear between outputs.
-    [[nodiscard]] double mean(const std::vector<double>& value) const {
-        const double lasted = std::floor((time.back() - time.front()) / pin_period) * pin_period, begin = time.back() - lasted;
-        double sum = 0.0;
-        for (std::size_t k = 1; k < time.size(); ++k) {
-            const double share = std::clamp((time[k] - begin) / (time[k] - time[k - 1]), 0.0, 1.0);
-            sum += share * (time[k] - time[k - 1]) * 0.5 * (value[k] + value[k - 1]);
-        }
-        return sum / lasted;
-    }
-};
-
-TEST(OutputReader, CountsFromItsTimeOnAndFiguresAreOverWholePinPeriods) {
-    const Scene scene = test::settled_tiny({"run.until=5 ms"});
-    const auto outputs = tuned_outputs({"slip", "slip mean", "tight_tension", "tight_tension mean", "tips"}, true);
-    Simulation simulation(scene);
-    OutputReader all(simulation.workspace().variator, outputs, 0, 0.0);
-    OutputReader late(simulation.workspace().variator, outputs, 0, 1.0);
-    TwoReaders both(all, late, simulation.workspace().variator);
-    const engine::Cancellation never;
-    ASSERT_FALSE(simulation.advance({.until = scene.run.until}, both, never));
-    ASSERT_GT(both.time.back(), both.pin_period);
-    const std::vector<double> values = all.values();
-    const auto over_time = [&](const std::vector<double>& value) {
-        double sum = 0.0;
-        for (std::size_t k = 1; k < value.size(); ++k) sum += 0.5 * (value[k] + value[k - 1]) * (both.time[k] - both.time[k - 1]);
-        return sum / (both.time.back() - both.time.front());
-    };
-    EXPECT_NEAR(values[0], both.mean(both.slip), 1e-9);
-    EXPECT_NEAR(values[1], over_time(both.slip), 1e-12);
-    EXPECT_NEAR(values[2], both.mean(both.tight), 1e-9 * values[2]);
-    EXPECT_NEAR(values[3], over_time(both.tight), 1e-9 * values[3]);
-    EXPECT_GT(values[4], 0.0);
-    EXPECT_TRUE(std::isnan(late.values()[1]));
 }
 
 }  // namespace

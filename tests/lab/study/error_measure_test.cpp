@@ -1,4 +1,4 @@
-#include "bench/study/tradeoff/error_measure.hpp"
+#include "bench/study/error_measure.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
