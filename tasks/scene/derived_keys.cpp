@@ -28,20 +28,16 @@ constexpr std::string_view friction_key = "tip.friction_coefficient";
 /// Force of a cylinder per change of ln i, by which tips, attachment and tilt of its sheaves yield [N].
 [[nodiscard]] double elastic_stiffness(const model::Parameters& p) {
     const auto radii = model::belt_radii(model::chain_length(p.chain), p.start.ratio, p.pulley.centre_distance);
-    const double radius = p.pulley.arc_position, tip = 1.5 * p.tip.hertz * std::sqrt(p.tip.reference_depth);
-    const double tips = 2.0 * std::numbers::pi * radius * p.chain.pins / model::chain_length(p.chain);  // of half a turn, on one sheave
-    const double lever = 2.0 * radius / std::numbers::pi;                                               // to the middle of the arc
-    const double yields = 1.0 / p.pulley.attachment_axial + 2.0 * lever * lever / p.pulley.attachment_tilt + 2.0 / (tips * tip);
-    const double inverse = radii ? 1.0 / radii->driving + 1.0 / radii->driven : 2.0 / radius;
-    return 2.0 * model::portable_sin(p.tip.angle) / model::portable_cos(p.tip.angle) / (inverse * yields);
+    const double inverse = radii ? 1.0 / radii->driving + 1.0 / radii->driven : 2.0 / p.pulley.arc_position;
+    return 2.0 * model::portable_sin(p.tip.angle) / model::portable_cos(p.tip.angle) / (inverse * groove_yield(p));
 }
 
 /// Takes the gains of control.gains = "found" (model/EQUATIONS.md section 8, which states their margins).
 void find_gains(const Scene& scene, model::Control& control) {
-    constexpr double fastest = 60.0, mobility = 0.0051, slowest = 0.5;        // [1/s]; C, 0.0018 to 0.012 at operating points; [s]
+    constexpr double fastest = 60.0, slowest = 0.5;                           // [1/s, s]
     constexpr double softening = 100.0, gain_margin = 2.0, separation = 4.0;  // [rad/s]; [1]; of both parts' time constants [1]
     const model::Parameters& p = scene.parameters;
-    const double clamping = driven_clamping_at_start(p), speed = model::scaling_speed(p), rate_of_ratio = mobility * speed / clamping;
+    const double clamping = driven_clamping_at_start(p), speed = model::scaling_speed(p), rate_of_ratio = ratio_mobility * speed / clamping;
     if (!(clamping > 0.0 && speed > 0.0)) return;
     const bool valves = p.hydraulics.mode != model::HydraulicMode::none && p.hydraulics.valve_lag > 0.0;
     const double rate = valves ? std::min(fastest, 1.0 / (separation * p.hydraulics.valve_lag)) : fastest;
@@ -51,6 +47,13 @@ void find_gains(const Scene& scene, model::Control& control) {
 }
 
 }  // namespace
+
+double groove_yield(const model::Parameters& p) {
+    const double radius = p.pulley.arc_position, tip = 1.5 * p.tip.hertz * std::sqrt(p.tip.reference_depth);
+    const double tips = 2.0 * std::numbers::pi * radius * p.chain.pins / model::chain_length(p.chain);  // of half a turn, on one sheave
+    const double lever = 2.0 * radius / std::numbers::pi;                                               // to the middle of the arc
+    return 1.0 / p.pulley.attachment_axial + 2.0 * lever * lever / p.pulley.attachment_tilt + 2.0 / (tips * tip);
+}
 
 double driven_clamping_at_start(const model::Parameters& p) {
     const bool pressures = p.hydraulics.mode == model::HydraulicMode::pressure;

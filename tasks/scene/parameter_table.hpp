@@ -100,6 +100,10 @@ struct CrossCheck {
 void derive(Scene& scene);
 /// Sets them to their defaults, before others are set of which they follow.
 void forget_derived(Scene& scene);
+/// C: the ratio changes by C ω_1 (S_1 - S_1*)/S_2 per time; 0.0018 to 0.012 at operating points [1].
+inline constexpr double ratio_mobility = 0.0051;
+/// How far a groove between elastic sheaves opens per clamping force, by attachment and tilt of its sheaves and by tips [m/N].
+[[nodiscard]] double groove_yield(const model::Parameters& parameters);
 /// Clamping force of the driven sheaves at t = 0: by table or pressure, and at least what clamping.safety requires where the chain begins
 /// [N].
 [[nodiscard]] double driven_clamping_at_start(const model::Parameters& parameters);

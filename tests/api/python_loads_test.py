@@ -59,6 +59,13 @@ class Wear(Folder):
         np.testing.assert_array_equal(worn["pressure_speed"].ravel(), record["wear/pressure_speed"].max(axis=0))
         np.testing.assert_array_equal(np.isfinite(worn["tip_depth"]), record["wear/tip_pressure"].max(axis=0) > 0.0)
 
+    def test_of_a_crowned_end_is_slower_the_larger_its_spot(self):
+        spot, crown, face = 0.7e-6, 28e-3, 15.65e-6
+        depth = cvtflow._wear.worn_depth(np.array([1e-18, 0.2e-9, 2e-9, 2.1e-9]), spot, crown, face)
+        self.assertAlmostEqual(depth[0], 1e-18 / spot, delta=1e-4 * depth[0])
+        self.assertAlmostEqual(spot * depth[1] + np.pi * crown * depth[1]**2, 0.2e-9, delta=1e-15)
+        self.assertAlmostEqual(depth[3] - depth[2], 0.1e-9 / face, delta=1e-12)  # the whole end
+
     @matplotlib_only
     def test_without_wear_panels_are_empty(self):
         record, _ = self.recorded(*WORN[:2], "wear.coefficient=0")

@@ -155,7 +155,7 @@ const std::map<std::string, std::vector<Names>> floors{
       {"tasks/method"},
       {"tasks/channel"},
       {"tasks/scene"},
-      {"tasks/schedule"},
+      {"tasks/schedule", "tasks/sizing"},
       {"tasks/run"},
       {"tasks/batch"},
       {"tasks/tuning"}}},

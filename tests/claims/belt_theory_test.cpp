@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "bench/study/belt/belt_drive.hpp"
+#include "tasks/sizing/belt_drive.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {
 namespace {
 
-using bench::BeltDrive;
-using bench::BeltParts;
-using bench::BeltPoint;
+using tasks::BeltDrive;
+using tasks::BeltParts;
+using tasks::BeltPoint;
 
 constexpr double driven_clamping = 20e3, driving_speed = 1800.0 * std::numbers::pi / 30.0;  // [N], [rad/s]
 
@@ -51,8 +51,8 @@ TEST(BeltTheory, OfARigidDriveCarriesEytelweinsRatioOfTensions) {
     const model::Parameters p;
     BeltParts rigid;
     rigid.tilting_sheaves = rigid.yielding_pins = rigid.stretching_belt = rigid.crowned_flank = false;
-    const bench::BeltPulley pulley{54.44e-3, std::numbers::pi, driving_speed};
-    bench::BeltArcSolver solver(p, pulley, rigid);
+    const tasks::BeltPulley pulley{54.44e-3, std::numbers::pi, driving_speed};
+    tasks::BeltArcSolver solver(p, pulley, rigid);
     const double mass = (2.0 * p.half.mass + p.plate.count * p.plate.mass) / p.chain.pitch[0];
     const double weight = mass * std::pow(driving_speed * pulley.radius, 2), slack = 1500.0;
     const double largest = slack * std::exp(p.tip.friction.coefficient * pulley.wrap / std::sin(p.tip.angle));
@@ -64,8 +64,8 @@ TEST(BeltTheory, OfARigidDriveCarriesEytelweinsRatioOfTensions) {
 TEST(BeltTheory, CarriesAllFrictionAlongTheCircumferenceAtMost) {
     const model::Parameters p;
     const BeltPoint limit = belt_point(p, 1.0, 1.0);
-    const bench::BeltPulley pulley{bench::belt_radii(p, 1.0)[1], std::numbers::pi, driving_speed};
-    bench::BeltArcSolver solver(p, pulley, {});
+    const tasks::BeltPulley pulley{tasks::belt_radii(p, 1.0)[1], std::numbers::pi, driving_speed};
+    tasks::BeltArcSolver solver(p, pulley, {});
     const double difference = limit.torque / pulley.radius;
     EXPECT_NO_THROW((void)solver.clamped(driven_clamping, 0.98 * difference));
     EXPECT_THROW((void)solver.clamped(driven_clamping, 1.001 * difference), std::domain_error);

@@ -26,6 +26,13 @@ def whole_rounds(record):
     return first, (time[-1] - time[first]) / per_round
 
 
+def worn_depth(volume, spot, crown, face):
+    """Depth [m] of a pin's crowned end that has lost a volume: its contact spot grows with the flat, up to the whole face. spot, face: areas"""
+    flat = (np.sqrt(spot**2 + 4.0 * np.pi * crown * volume) - spot) / (2.0 * np.pi * crown)
+    whole = np.maximum(face - spot, 0.0) / (2.0 * np.pi * crown)  # from this depth on
+    return np.where(flat < whole, flat, whole + (volume - spot * whole - np.pi * crown * whole**2) / face)
+
+
 def wear(record):
     """As Record.wear()."""
     time, scene = record["time"], record.scene
@@ -51,10 +58,10 @@ def wear(record):
     worn = scene["wear.coefficient"] * _THOUSAND_HOURS / (time[-1] - time[0])  # volume in 1,000 hours per integral of force and speed
     modulus = 0.5 * scene["chain.young_modulus"] / (1.0 - _POISSON**2)
     contact = 0.5 * np.pi * (0.75 * scene["tip.hertz"] / modulus)**2 * largest("tip_pressure") / modulus  # a = π R p/(2 E*)
-    area = np.pi * np.where(contact > 0.0, contact, np.nan)**2
+    spot = np.pi * np.where(contact > 0.0, contact, np.nan)**2
     return {"rounds": rounds, "first": first, "radius": radius, "energy": energy / width, "pressure_speed": load,
             "sheave_depth": worn * force_way * np.cos(scene["tip.angle"]) / (2.0 * np.pi * radius * width),
-            "tip_depth": worn * integral(time, rows("tip_force_speed")) / area}
+            "tip_depth": worn_depth(worn * integral(time, rows("tip_force_speed")), spot, scene["tip.radius"], scene["half.area"])}
 
 
 def rounds_text(found):

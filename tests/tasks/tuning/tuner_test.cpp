@@ -249,7 +249,8 @@ void expect_nineteen_of_twenty(const UnseenTally& tally) {
 
 TEST_P(NightlyUnseenPoints, OfAReadySceneAreWithinTheTargetInNineteenOfTwenty) {
     const Scene scene = read_scene(find_scene(GetParam()));
-    if (scene.vehicle.present()) GTEST_SKIP() << "a vehicle is refused";
+    if (scene.vehicle.present() || scene.parameters.hydraulics.mode != model::HydraulicMode::none)
+        GTEST_SKIP() << "vehicles and hydraulics are refused";
     const TuneSettings settings;
     Tuner tuner(scene, settings, on_and_on);
     UnseenTally tally;

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "engine/base/text.hpp"
-#include "model/force/pulley_inputs.hpp"
 #include "model/machine/belt.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
@@ -26,20 +25,6 @@ std::string choice(const tasks::Scene& scene, std::string_view key) {
 double number_of(const std::vector<engine::Attribute>& attributes, std::string_view name) {
     const auto* number = engine::attribute_value<double>(attributes, name);
     return number == nullptr ? 0.0 : *number;
-}
-
-/// Drag of shaft 2 without the chain's pull, at the speed that the tables ask of it [N*m].
-double drag_of_driven(const model::Parameters& p, double time) {
-    const double speed = std::abs(p.drive.speed.at(time)) / (p.control.enabled ? p.control.ratio.at(time) : p.start.ratio);
-    const model::ShaftDrag& of = p.drag.driven;
-    return of.seals + (of.viscous + of.churning * speed) * speed;
-}
-
-/// Whether load and clamping force of the driven pulley are known: those of their tables, or at least clamping.safety times the load.
-[[nodiscard]] bool tables_act(const model::Parameters& p) {
-    const bool driven_controlled =
-        p.control.enabled && (p.control.quantity != model::ControlledQuantity::ratio || p.control.driven != model::DrivenControl::none);
-    return p.load.mode == model::LoadMode::torque && !driven_controlled && p.hydraulics.mode == model::HydraulicMode::none;
 }
 
 }  // namespace
@@ -94,23 +79,6 @@ std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attri
     }
 }
 
-std::optional<LeastSafety> least_safety(const tasks::Scene& scene) {
-    constexpr int instants = 200;
-    const model::Parameters& p = scene.parameters;
-    if (p.detail.pulleys == model::PulleyDetail::absent || p.start.layout != model::StartLayout::belt || !tables_act(p)) return {};
-    const auto radii = model::belt_radii(model::chain_length(p.chain), p.start.ratio, p.pulley.centre_distance);
-    if (!radii) return {};
-    const double lever = model::grip(p.tip) * radii->driven;
-    LeastSafety least;
-    for (int k = 0; k <= instants; ++k) {
-        const double time = tasks::latest_end(scene) * k / instants;
-        const double torque = p.load.torque.at(time), load = torque + drag_of_driven(p, time);
-        const double limit = lever * model::driven_clamping(p.clamping, p.clamping.driven.at(time), torque, lever);
-        if (load != 0.0 && limit / std::abs(load) < least.factor) least = {limit, load, limit / std::abs(load)};
-    }
-    return std::isfinite(least.factor) ? std::optional(least) : std::nullopt;
-}
-
 std::string machine_lines(const tasks::Scene& scene) {
     const model::Parameters& p = scene.parameters;
     if (p.detail.pulleys == model::PulleyDetail::absent || p.start.layout != model::StartLayout::belt) return "";
@@ -127,12 +95,6 @@ std::string machine_lines(const tasks::Scene& scene) {
                       fmt::format("{:.4g} Hz at the start", std::abs(p.drive.speed.at(0.0)) * radii->driving * p.chain.pins / length));
     if (scene.gains == tasks::ControlGains::found)
         text += field("gains found", fmt::format("proportional {:.4g} N, integral {:.4g} N/s", p.control.proportional, p.control.integral));
-    const std::optional<LeastSafety> least = least_safety(scene);
-    if (!least) return text;
-    text += field("torque limit",
-                  fmt::format("{:.4g} N*m on the driven pulley (2 mu S_2 r_2/cos(beta)); load{} {:.4g} N*m: safety factor {:.3g}",
-                              least->limit, p.drag.driven == model::ShaftDrag{} ? "" : " and drag", std::abs(least->load), least->factor));
-    if (least->factor < 1.0) text += field("", "the load exceeds the limit: the chain slips; raise clamping.driven or lower load.torque");
     return text;
 }
 

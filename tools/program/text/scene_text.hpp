@@ -1,7 +1,6 @@
 #pragma once
 /// A scene as readable text: its detail, its machine in figures of the design, and what files made from it contain about it.
 
-#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,17 +30,7 @@ namespace cvtflow::tools {
 /// "fine", or "own detail" where the scene has none of the named levels.
 [[nodiscard]] std::string level_text(const tasks::Scene& scene);
 
-/// The instant of a run at which tables of clamping force and load leave the smallest safety factor.
-struct LeastSafety {
-    double limit = 0.0;        ///< 2 mu S_2 r_2/cos(beta) [N*m]
-    double load = 0.0;         ///< load of the driven pulley, drag included, signed as load.torque [N*m]
-    double factor = INFINITY;  ///< limit over |load| [1]
-};
-/// None where no load acts, or where load or clamping force of the driven pulley follow from the run.
-[[nodiscard]] std::optional<LeastSafety> least_safety(const tasks::Scene& scene);
-
-/// Lines of `check`: running radii, arcs, frequency of passing pins, torque limit of the driven pulley and safety factor, with a warning
-/// where the load exceeds the limit. Empty without pulleys.
+/// Lines of `check`: running radii, arcs, frequency of passing pins, found gains. Empty without pulleys.
 [[nodiscard]] std::string machine_lines(const tasks::Scene& scene);
 
 }  // namespace cvtflow::tools

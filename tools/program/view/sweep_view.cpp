@@ -17,6 +17,7 @@
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml_tree.hpp"
 #include "tasks/scene/units.hpp"
+#include "tasks/sizing/sizing.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
@@ -222,9 +223,10 @@ std::optional<double> load_limit(const SweepView& sweep, std::size_t row) {
     model::Parameters& p = scene->parameters;
     if (p.clamping.safety > 0.0) return {};  // the clamping force follows the load
     if (p.control.enabled) p.start.ratio = p.control.ratio.at(tasks::latest_end(*scene));
-    const auto least = least_safety(*scene);
-    if (!least) return {};
-    return p.load.torque.at(0.0) + std::copysign(least->limit, least->load) - least->load;
+    const std::vector<tasks::SizedPoint> points = tasks::size_scene(*scene).points;
+    if (points.empty() || !std::isfinite(points.front().factor()) || points.front().decided != "clamping.driven") return {};
+    const tasks::SizedPoint& least = points.front();
+    return p.load.torque.at(0.0) + std::copysign(least.limit, least.load) - least.load;
 }
 
 }  // namespace cvtflow::tools

@@ -6,13 +6,14 @@
 #include <stdexcept>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/study/belt/belt_drive.hpp"
+#include "tasks/sizing/belt_drive.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
 
 namespace cvtflow::bench {
 
+using namespace tasks;
 using namespace tools;
 
 namespace {

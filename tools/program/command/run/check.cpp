@@ -3,15 +3,18 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "tasks/batch/batch.hpp"
 #include "tasks/method/auto_step.hpp"
 #include "tasks/run/run_recorder.hpp"
 #include "tasks/run/simulation.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/program.hpp"
 #include "tools/program/text/scene_text.hpp"
+#include "tools/program/text/sizing_text.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -85,11 +88,46 @@ std::string largest_step_line(const tasks::Scene& scene, const tasks::Simulation
     return field("stable to", tasks::text_of(limit) + (scene.run.step.value_or(0.0) > limit.step ? "; run.step exceeds this limit" : ""));
 }
 
-ExitStatus check(const SceneArguments& arguments) {
+/// Torque from an option's text [N*m].
+double torque_of(const std::string& text) {
+    const auto parsed = tasks::parse_quantity(text);
+    const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
+    if (quantity == nullptr || (quantity->has_unit && quantity->dimension != tasks::dimension_of("N*m")))
+        throw UsageError(fmt::format("--for-torque {}: expected a torque, such as \"220 N*m\"", text));
+    return quantity->value;
+}
+
+/// Options of `check` beside the scene.
+struct CheckArguments {
+    SceneArguments scene;
+    std::optional<std::string> torque;  ///< torque of shaft 1
+    double safety = 1.3;                ///< safety factor for `torque`
+    bool json = false;
+};
+
+/// The sizing that the options ask for, with the forces of shaft 1.
+tasks::Sizing sizing_of(const CheckArguments& arguments, const tasks::Scene& scene) {
+    tasks::Sizing sizing =
+        arguments.torque ? tasks::size_for_torque(scene, torque_of(*arguments.torque), arguments.safety) : size_scene(scene);
+    for (tasks::SizedPoint& point : sizing.points) size_driving(scene, point);
+    return sizing;
+}
+
+ExitStatus check(const CheckArguments& options) {
+    const SceneArguments& arguments = options.scene;
     const LoadedScene loaded = load_scene(arguments);
     const tasks::Scene& scene = loaded.scene;
     const tasks::Simulation simulation(scene);
     if (!loaded.notice.empty()) print_error(loaded.notice);
+    const tasks::Sizing sizing = sizing_of(options, scene);
+    if (options.json) {
+        fmt::print("{}", sizing_json(scene, sizing));
+        return ExitStatus::finished;
+    }
+    if (options.torque) {
+        fmt::print("{}{}", machine_lines(scene), sizing_lines(scene, sizing));
+        return ExitStatus::finished;
+    }
     std::string text = fmt::format("{}: {}\n", scene.name, scene.description.empty() ? "no description" : scene.description);
     text += field("file", scene.path.string());
     text += field("detail", detail_text(scene));
@@ -98,7 +136,7 @@ ExitStatus check(const SceneArguments& arguments) {
     for (const std::string& difference : simulation.start_differences()) text += field("", difference);
     const double step = scene.run.step.value_or(automatic_step(simulation));
     const Estimate estimate = cost_lines(scene, simulation, step);
-    fmt::print("{}{}{}{}", text, machine_lines(scene), estimate.text, largest_step_line(scene, simulation));
+    fmt::print("{}{}{}{}{}", text, machine_lines(scene), sizing_lines(scene, sizing), estimate.text, largest_step_line(scene, simulation));
     if (estimate.objection.empty()) return ExitStatus::finished;
     print_error(fmt::format("{}: the run fails in its first steps: {}", scene.name, estimate.objection));
     return ExitStatus::error;
@@ -107,12 +145,18 @@ ExitStatus check(const SceneArguments& arguments) {
 }  // namespace
 
 Action declare_check(CLI::App& app) {
-    const auto arguments = std::make_shared<SceneArguments>();
-    declare_scene(app, *arguments);
-    declare_shortcut(app, *arguments, "--method", "run.method", "NAME");
-    declare_shortcut(app, *arguments, "--step", "run.step", "TIME");
-    declare_shortcut(app, *arguments, "--until", "run.until", "TIME");
-    declare_fresh_start(app, *arguments);
+    const auto arguments = std::make_shared<CheckArguments>();
+    SceneArguments& scene = arguments->scene;
+    declare_scene(app, scene);
+    declare_shortcut(app, scene, "--method", "run.method", "NAME");
+    declare_shortcut(app, scene, "--step", "run.step", "TIME");
+    declare_shortcut(app, scene, "--until", "run.until", "TIME");
+    declare_fresh_start(app, scene);
+    CLI::Option* torque = app.add_option("--for-torque", arguments->torque,
+                                         "Size for this torque on shaft 1 over all ratios, instead of for the scene's tables")
+                              ->type_name("TORQUE");
+    app.add_option("--safety", arguments->safety, "Safety factor for that torque (default: 1.3)")->type_name("NUMBER")->needs(torque);
+    app.add_flag("--json", arguments->json, "Print clamping forces and pressures as JSON");
     app.footer(
         "Exit status: 0 if the scene is valid and its first steps succeed, else 1, or 2 where options are wrong (all problems are "
         "printed).");

@@ -11,7 +11,7 @@
 #include "model/law/friction.hpp"
 #include "model/parameters/parameters.hpp"
 
-namespace cvtflow::bench {
+namespace cvtflow::tasks {
 
 /// Parts of the theory that can be left out, to measure the effect of each.
 struct BeltParts {
@@ -131,4 +131,4 @@ struct BeltDrive {
 /// Throws std::domain_error where a pulley cannot carry the load.
 [[nodiscard]] BeltDrive solve_belt(const model::Parameters& p, const BeltPoint& point, const BeltParts& parts = {});
 
-}  // namespace cvtflow::bench
+}  // namespace cvtflow::tasks

@@ -1,6 +1,5 @@
-#include "bench/study/belt/belt_drive.hpp"
+#include "tasks/sizing/belt_drive.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +7,7 @@
 #include <span>
 #include <stdexcept>
 
-namespace cvtflow::bench {
+namespace cvtflow::tasks {
 
 namespace {
 
@@ -48,6 +47,29 @@ double zero_of(const Function& f, double low, double high, double tolerance) {
 /// [N/m] of a link with its joint.
 [[nodiscard]] double link_stiffness(const model::Parameters& p) {
     return 1.0 / (1.0 / (p.plate.count * p.plate.stiffness) + 1.0 / p.joint.stiffness);
+}
+
+using Four = std::array<double, 4>;
+
+[[nodiscard]] double norm_of(const Four& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]); }
+
+/// Solution of a linear system by Gauss' elimination with row pivots. rows [row][column]
+[[nodiscard]] Four solution_of(std::array<Four, 4> rows, Four right) {
+    for (std::size_t k = 0; k < 4; ++k) {
+        std::size_t pivot = k;
+        for (std::size_t r = k + 1; r < 4; ++r)
+            if (std::abs(rows[r][k]) > std::abs(rows[pivot][k])) pivot = r;
+        std::swap(rows[k], rows[pivot]);
+        std::swap(right[k], right[pivot]);
+        for (std::size_t r = 0; r < 4; ++r) {
+            if (r == k) continue;
+            const double factor = rows[r][k] / rows[k][k];
+            for (std::size_t c = k; c < 4; ++c) rows[r][c] -= factor * rows[k][c];
+            right[r] -= factor * right[k];
+        }
+    }
+    for (std::size_t k = 0; k < 4; ++k) right[k] /= rows[k][k];
+    return right;
 }
 
 }  // namespace
@@ -128,29 +150,31 @@ BeltArcSolver::Sums BeltArcSolver::sweep(const Unknowns& u, std::vector<BeltNode
 }
 
 BeltArcSolver::Unknowns BeltArcSolver::converge(Unknowns u, const Ends& ends) const {
-    const auto residual = [&](const Eigen::Vector4d& x) {
+    const auto residual = [&](const Four& x) {
         const Sums sums = sweep({x[0], x[1], x[2], x[3]}, nullptr);
         const double first = ends.entry_given ? kilo * x[0] - ends.first : sums.clamping - ends.first;
-        return Eigen::Vector4d(first, sums.difference - ends.difference, sums.middle - kilo * x[2], sums.side - kilo * x[3]);
+        return Four{first, sums.difference - ends.difference, sums.middle - kilo * x[2], sums.side - kilo * x[3]};
     };
-    Eigen::Vector4d x(u.entry, u.creep, u.middle, u.side), r = residual(x);
+    Four x{u.entry, u.creep, u.middle, u.side}, r = residual(x);
     for (int k = 0; k < max_iterations; ++k) {
-        if (r.norm() < 1e-6 * kilo) return {x[0], x[1], x[2], x[3]};
-        Eigen::Matrix4d slopes;
-        for (int j = 0; j < 4; ++j) {
-            Eigen::Vector4d moved = x;
+        if (norm_of(r) < 1e-6 * kilo) return {x[0], x[1], x[2], x[3]};
+        std::array<Four, 4> slopes{};
+        for (std::size_t j = 0; j < 4; ++j) {
+            Four moved = x;
             moved[j] += 1e-6;
-            slopes.col(j) = (residual(moved) - r) / 1e-6;
+            const Four there = residual(moved);
+            for (std::size_t i = 0; i < 4; ++i) slopes[i][j] = (there[i] - r[i]) / 1e-6;
         }
-        Eigen::Vector4d change = slopes.fullPivLu().solve(r);
-        change *= std::min(1.0, (0.3 + 0.3 * std::abs(x[1])) / std::abs(change[1]));  // beyond that friction saturates and slopes vanish
-        for (double part = 1.0;; part *= 0.5) {
-            if (part < 1e-4) throw std::domain_error("friction cannot carry this difference of tensions");
-            const Eigen::Vector4d tried = x - part * change;
+        const Four change = solution_of(slopes, r);
+        const double most = std::min(1.0, (0.3 + 0.3 * std::abs(x[1])) / std::abs(change[1]));  // beyond, friction saturates, slopes vanish
+        for (double part = most;; part *= 0.5) {
+            if (!(part >= 1e-4 * most)) throw std::domain_error("friction cannot carry this difference of tensions");
+            Four tried = x;
+            for (std::size_t i = 0; i < 4; ++i) tried[i] -= part * change[i];
             if (kilo * tried[0] <= weight_) continue;
             try {
-                const Eigen::Vector4d now = residual(tried);
-                if (!(now.norm() < r.norm())) continue;
+                const Four now = residual(tried);
+                if (!(norm_of(now) < norm_of(r))) continue;
                 x = tried;
                 r = now;
                 break;
@@ -226,4 +250,4 @@ BeltDrive solve_belt(const model::Parameters& p, const BeltPoint& point, const B
     return {{first, second}, {first_arc, second_arc}, tight, slack, first_arc.clamping / point.clamping, slip, shift};
 }
 
-}  // namespace cvtflow::bench
+}  // namespace cvtflow::tasks

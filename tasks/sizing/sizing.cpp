@@ -1,0 +1,261 @@
+#include "tasks/sizing/sizing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "model/force/hydraulics.hpp"
+#include "model/force/pulley_inputs.hpp"
+#include "model/machine/belt.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/sizing/belt_drive.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+[[nodiscard]] bool controls_ratio(const model::Control& control) {
+    return control.enabled && control.quantity == model::ControlledQuantity::ratio;
+}
+
+/// Whether a controller makes S_2 the target multiple of the load's force.
+[[nodiscard]] bool controls_safety(const model::Control& control) {
+    return control.enabled && (control.quantity == model::ControlledQuantity::safety ||
+                               (controls_ratio(control) && control.driven == model::DrivenControl::safety));
+}
+
+[[nodiscard]] bool controls_slip(const model::Control& control) {
+    return control.enabled && (control.quantity == model::ControlledQuantity::slip ||
+                               (controls_ratio(control) && control.driven == model::DrivenControl::slip));
+}
+
+[[nodiscard]] double ratio_at(const model::Parameters& p, double time) {
+    return controls_ratio(p.control) ? p.control.ratio.at(time) : p.start.ratio;
+}
+
+/// d ln(ratio)/dt after an instant [1/s].
+[[nodiscard]] double shift_at(const model::Parameters& p, double time) {
+    constexpr double span = 1e-3;  // [s]
+    return std::log(ratio_at(p, time + span) / ratio_at(p, time)) / span;
+}
+
+/// Why no force follows from the scene's tables; empty if they do.
+[[nodiscard]] std::string reason_against(const model::Parameters& p) {
+    if (p.detail.pulleys == model::PulleyDetail::absent || p.start.layout != model::StartLayout::belt) return "it has no pulleys";
+    if (p.load.mode != model::LoadMode::torque) return "the load follows from the run (load.mode)";
+    if (controls_slip(p.control)) return "a controller of slip makes S_2 in the run";
+    return "";
+}
+
+/// Ratio of the radii at which shafts have a ratio of speeds: joints roll, so a bent chain is shorter. The divisor 6.4 fits geometric
+/// starts at ratios from 0.35 to 2.8 within 0.2 % of the ratio.
+[[nodiscard]] double ratio_of_radii(const model::Parameters& p, double ratio) {
+    const double length = model::chain_length(p.chain);
+    const auto radii = model::belt_radii(length, ratio, p.pulley.centre_distance);
+    if (!radii) return ratio;
+    const double bent = p.joint.radius * length / p.chain.pins / 6.4;
+    return ratio / (1.0 + bent * (1.0 / (radii->driven * radii->driven) - 1.0 / (radii->driving * radii->driving)));
+}
+
+/// Radii at a ratio of radii, or why the sheaves do not permit it.
+[[nodiscard]] std::string radii_at(const model::Parameters& p, double ratio, std::array<double, 2>& radius) {
+    const auto radii = model::belt_radii(model::chain_length(p.chain), ratio, p.pulley.centre_distance);
+    if (!radii) return fmt::format("no chain of this length runs at ratio {:.4g}", ratio);
+    radius = {radii->driving, radii->driven};
+    const auto [least, most] = std::minmax(radius[0], radius[1]);
+    if (least >= p.pulley.innermost && most <= p.pulley.outermost) return "";
+    return fmt::format("at ratio {:.4g} the chain runs on radii of {:.4g} and {:.4g} mm, off the sheaves", ratio, 1e3 * radius[0],
+                       1e3 * radius[1]);
+}
+
+/// Pulleys whose clamping forces make pressures.
+class Pistons {
+public:
+    explicit Pistons(const model::Parameters& p) : p_(p), wedge_(2.0 * std::tan(p.tip.angle)) {
+        model_.adopt(p.hydraulics);
+        yield_ = p.detail.pulleys == model::PulleyDetail::elastic ? groove_yield(p) : 0.0;
+    }
+
+    /// Running radius by the sheave's position, as a transmission measures it: the flank is crowned, and its groove yields. radius [m],
+    /// clamping [N]
+    [[nodiscard]] double measured_radius(double radius, double clamping) const {
+        const double out = radius - p_.pulley.arc_position;
+        const double sine = std::sin(p_.tip.angle) + 0.5 * out / (p_.pulley.arc_radius + p_.tip.radius);  // halfway out
+        const double opens = 2.0 * out * sine / std::sqrt(1.0 - sine * sine);
+        return p_.pulley.arc_position + (opens + yield_ * clamping) / wedge_;
+    }
+    /// Force of rotating oil and spring [N].
+    [[nodiscard]] double other_force(int shaft, const SizedPoint& at, double clamping) const {
+        const double measured = measured_radius(at.radius[static_cast<std::size_t>(shaft)], clamping);
+        return model_.other_force(shaft, {(measured - p_.pulley.arc_position) * wedge_, 0.0, shaft == 0 ? at.speed : at.speed / at.ratio});
+    }
+    /// Piston force and pressure of a clamping force.
+    void press(int shaft, SizedPoint& at) const {
+        const auto k = static_cast<std::size_t>(shaft);
+        at.piston[k] = at.clamping[k] - other_force(shaft, at, at.clamping[k]);
+        at.pressure[k] = at.piston[k] / model_.area(shaft);
+    }
+    [[nodiscard]] double area(int shaft) const { return model_.area(shaft); }
+
+private:
+    const model::Parameters& p_;
+    double wedge_, yield_;
+    model::HydraulicModel model_;
+};
+
+/// Adds S_2 and what follows from it. limited: by the relief pressure; asked: force that the load asks for by the torque per force that a
+/// transmission knows [N], lever [m]
+void size_driven(const model::Parameters& p, const Pistons& pistons, bool limited, SizedPoint& at,
+                 const std::function<double(double lever)>& asked) {
+    const double grip = model::grip(p.tip);
+    double force = asked(grip * at.radius[1]);
+    for (int k = 0; k < 4; ++k) force = asked(grip * pistons.measured_radius(at.radius[1], force));
+    if (p.hydraulics.mode != model::HydraulicMode::none && limited) {
+        const double most = pistons.area(1) * p.hydraulics.relief_pressure + pistons.other_force(1, at, force);
+        if (force > most) at.decided = "hydraulics.relief_pressure";
+        force = std::min(force, most);
+    }
+    at.clamping = {unknown, force};
+    at.limit = grip * at.radius[1] * force;
+    pistons.press(1, at);
+}
+
+/// A point of the scene's tables.
+[[nodiscard]] SizedPoint point_at(const model::Parameters& p, const Pistons& pistons, double time, std::string& objection) {
+    SizedPoint at;
+    at.time = time;
+    at.ratio = ratio_at(p, time);
+    at.speed = p.drive.mode == model::DriveMode::torque ? p.control.reference_speed : p.drive.speed.at(time);
+    at.shift = shift_at(p, time);
+    const double of_radii = controls_ratio(p.control) ? ratio_of_radii(p, at.ratio) : at.ratio;
+    if (objection = radii_at(p, of_radii, at.radius); !objection.empty()) return at;
+    const double turning = std::abs(at.speed) / at.ratio;
+    const double load = p.load.torque.at(time) + (p.load.linear + p.load.quadratic * turning) * turning;
+    at.load = load + p.drag.driven.seals + (p.drag.driven.viscous + p.drag.driven.churning * turning) * turning;
+    size_driven(p, pistons, true, at, [&](double lever) {
+        if (controls_safety(p.control)) {
+            at.decided = "control.safety";
+            return model::carrying_clamping(p.control.safety.at(time), load, lever);
+        }
+        const bool pressures = p.hydraulics.mode == model::HydraulicMode::pressure;
+        const double table = pressures ? p.hydraulics.driven.area * p.hydraulics.driven.pressure.at(time) +
+                                             pistons.other_force(1, at, p.clamping.driven.at(time))
+                                       : p.clamping.driven.at(time);
+        const double force = model::driven_clamping(p.clamping, table, load, lever);
+        at.decided = force > table ? "clamping.safety" : pressures ? "hydraulics.driven_pressure" : "clamping.driven";
+        return force;
+    });
+    return at;
+}
+
+/// Instants at which tables have points, and some in between [s].
+[[nodiscard]] std::vector<double> instants_of(const Scene& scene) {
+    constexpr int between = 200;
+    const model::Parameters& p = scene.parameters;
+    const double end = latest_end(scene);
+    std::vector<double> times;
+    for (int k = 0; k <= between; ++k) times.push_back(end * k / between);
+    for (const model::TimeTable* table :
+         {&p.load.torque, &p.drive.speed, &p.clamping.driven, &p.control.ratio, &p.control.safety, &p.hydraulics.driven.pressure})
+        std::ranges::copy_if(table->time, std::back_inserter(times), [&](double t) { return t > 0.0 && t < end; });
+    std::ranges::sort(times);
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+    return times;
+}
+
+}  // namespace
+
+double SizedPoint::factor() const noexcept { return load == 0.0 ? INFINITY : limit / std::abs(load); }
+
+Sizing size_scene(const Scene& scene) {
+    const model::Parameters& p = scene.parameters;
+    Sizing sizing{{}, reason_against(p), true};
+    if (!sizing.objection.empty()) return sizing;
+    constexpr double fall = -0.3;  // exponent by which S_1/S_2 falls with the ratio, about: 1.8 at 0.417, 1.4 at 1, 1.1 at 2.4
+    using Badness = double (*)(const SizedPoint&);
+    const std::pair<const char*, Badness> kinds[] = {
+        {"least safety", [](const SizedPoint& at) { return at.load == 0.0 ? -1.0 : 1.0 / at.factor(); }},
+        {"largest S_2", [](const SizedPoint& at) { return at.clamping[1]; }},
+        {"largest S_1", [](const SizedPoint& at) { return at.clamping[1] * std::pow(at.ratio, fall); }},
+        {"fastest shift", [](const SizedPoint& at) { return at.shift == 0.0 ? -1.0 : std::abs(at.shift) * at.clamping[1] / at.speed; }}};
+    std::vector<SizedPoint> all;
+    const Pistons pistons(p);
+    for (const double time : instants_of(scene)) {
+        std::string objection;
+        all.push_back(point_at(p, pistons, time, objection));
+        if (!objection.empty()) return {{}, fmt::format("{} (at {:.4g} s)", objection, time)};
+    }
+    for (const auto& [name, badness] : kinds) {
+        const auto worst = std::ranges::max_element(all, {}, badness);
+        if (badness(*worst) <= 0.0) continue;
+        auto same = std::ranges::find(sizing.points, worst->time, &SizedPoint::time);
+        if (same == sizing.points.end()) same = sizing.points.insert(same, *worst);
+        same->reason += (same->reason.empty() ? "" : ", ") + std::string(name);
+    }
+    return sizing;
+}
+
+Sizing size_for_torque(const Scene& scene, double torque, double safety) {
+    constexpr int count = 5;
+    const model::Parameters& p = scene.parameters;
+    if (p.detail.pulleys == model::PulleyDetail::absent || p.start.layout != model::StartLayout::belt) return {{}, reason_against(p)};
+    std::array<double, 2> radius{};
+    if (const std::string objection = radii_at(p, p.start.ratio, radius); !objection.empty()) return {{}, objection};
+    const auto farthest = [&](double factor) {  // within a thousandth
+        double ratio = p.start.ratio;
+        while (radii_at(p, ratio * factor, radius).empty()) ratio *= factor;
+        return ratio;
+    };
+    const double most = farthest(1.001), least = farthest(1.0 / 1.001);
+    Sizing sizing;
+    const Pistons pistons(p);
+    for (int k = 0; k < count; ++k) {
+        SizedPoint at;
+        at.ratio = most * std::pow(least / most, static_cast<double>(k) / (count - 1));
+        at.reason = fmt::format("ratio {:.3g}", at.ratio);
+        at.speed = p.drive.mode == model::DriveMode::torque ? p.control.reference_speed : p.drive.speed.at(0.0);
+        at.load = torque * at.ratio;
+        at.decided = "--safety";
+        (void)radii_at(p, at.ratio, at.radius);
+        size_driven(p, pistons, false, at, [&](double lever) { return model::carrying_clamping(safety, at.load, lever); });
+        sizing.points.push_back(std::move(at));
+    }
+    return sizing;
+}
+
+void size_driving(const Scene& scene, SizedPoint& at) {
+    constexpr double largest_share = 0.9;  // of the limit, up to which theory has been compared (docs/validation.md)
+    const model::Parameters& p = scene.parameters;
+    at.clamping[0] = at.piston[0] = at.pressure[0] = at.shifting = at.correction = unknown;
+    if (at.factor() * largest_share < 1.0) {
+        at.objection = fmt::format("S_1 by theory requires a safety factor of {:.2g} at least", 1.0 / largest_share);
+        return;
+    }
+    if (at.speed == 0.0) {
+        at.objection = "S_1 by theory requires that shaft 1 turns";
+        return;
+    }
+    BeltParts parts;
+    parts.vibration = 10e-3;  // pins vibrate: closer to the chain (docs/validation.md)
+    parts.nodes = 100;
+    const BeltPoint point{at.ratio, at.clamping[1], at.load, std::abs(at.speed)};
+    try {
+        at.clamping[0] = solve_belt(p, point, parts).thrust_ratio * at.clamping[1];
+        Pistons(p).press(0, at);
+    } catch (const std::domain_error& error) {
+        at.objection = std::string("S_1 by theory: ") + error.what();
+        return;
+    }
+    at.shifting = at.clamping[0] - at.shift * at.clamping[1] / (ratio_mobility * std::abs(at.speed));
+    const double table = p.clamping.driving.at(at.time), holding = at.clamping[0] - table, shifting = at.shifting - table;
+    at.correction = std::abs(holding) > std::abs(shifting) ? holding : shifting;
+}
+
+}  // namespace cvtflow::tasks
