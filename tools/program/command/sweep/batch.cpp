@@ -401,7 +401,9 @@ Action declare_batch(CLI::App& app) {
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
     app.add_flag("--pin", arguments->options.pin, "Pin every worker to a processor");
-    app.add_option("--shard", arguments->shard, "Be worker I of N with a fixed share of the cases, which needs no file locks; cvtflow merge joins the tables")->type_name("I/N");
+    app.add_option("--shard", arguments->shard,
+                   "Be worker I of N with a fixed share of the cases, which needs no file locks; cvtflow merge joins the tables")
+        ->type_name("I/N");
     app.add_option("--grace", arguments->grace,
                    "After SIGTERM, time for running cases to finish; the others write a checkpoint (default: 30 s)")
         ->type_name("TIME");
