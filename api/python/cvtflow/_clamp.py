@@ -87,15 +87,15 @@ def requested(request):
     begin = time.monotonic()
     bench = Bench(request)
     machine, margin = Machine(bench.scene), request["margin"]
-    axes = {**axes_of(machine, request["axes"])}
-    if "speed" not in request["axes"]:
-        fast = float(np.median(axes["speed"]))
-        axes["speed"] = np.array([0.9, 1.1]) * fast
+    axes = axes_of(machine, request["axes"])
+    speed, safety = float(np.median(axes["speed"])), bench.scene["clamping.safety"] or SAFETY
+    axes["speed"] = np.array([speed])
     if "load" not in request["axes"]:
         axes["load"] = np.array(SHARES)
-    speed, safety = float(np.mean(axes["speed"])), bench.scene["clamping.safety"] or SAFETY
     steady_map = Map(bench, machine, axes)
-    model = Small(machine, axes, {**steady_map.values, "shift": 0 * steady_map.limit, "limit": steady_map.limit}, bench.scene).load()
+    values = {**steady_map.values, "shift": 0 * steady_map.limit, "limit": steady_map.limit}
+    axes["speed"] = np.array([0.9, 1.1]) * speed  # the map is the same at all speeds
+    model = Small(machine, axes, {name: np.repeat(each, 2, axis=0) for name, each in values.items()}, bench.scene).load()
     rows = list(_rows(Rule(machine, model, axes, margin, safety), machine, model, axes, speed))
     if not rows:
         raise Misuse(f"no clamping force of {axes['clamping'][0]:g} to {axes['clamping'][-1]:g} N keeps the margin of {margin:g}")

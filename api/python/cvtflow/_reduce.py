@@ -224,10 +224,10 @@ class Map:
         self.holes = int((~self.good).sum())
 
     def _limits(self):
-        """Of each line the largest load up to which every case is steady without gross slip."""
+        """Of each line the largest load with a steady case without gross slip; between such cases there is no limit."""
         good = self.good.reshape(self.shape)
-        count = np.argmin(np.concatenate([good, np.zeros((*self.shape[:-1], 1), dtype=bool)], axis=-1), axis=-1)
-        return np.append([-1e-9], self.axes["load"])[count][..., None]
+        last = self.shape[-1] - 1 - np.argmax(good[..., ::-1], axis=-1)
+        return np.where(good.any(axis=-1), self.axes["load"][last], -1e-9)[..., None]
 
     def _filled(self, values):
         """A grid without holes: linear along the load, level beyond; a line without cases is that of the next clamping force or speed."""
@@ -294,27 +294,37 @@ class Law:
         drive = columns["clamping.driving"] / columns["clamping.driven"]
         laws = {"force": centre - drive, "logarithm": np.log(centre / drive)}
         good = np.isfinite(rate) & (found["status"] == "ok") & (np.abs(rate) < 5)
-        x = [np.log(columns["start.ratio"]), axes["load"][node[:, 3]], np.log(columns["clamping.driven"]), np.log(columns["drive.speed"])]
-        self.residual = {}
         if not good.any():
             raise RuntimeError(f"no transient of the shift law has a result: {found['error'][0]}")
+        x = [np.log(columns["start.ratio"]), axes["load"][node[:, 3]], columns["clamping.driven"], columns["drive.speed"]]
+        group, self.residual = np.repeat(np.arange(len(kept)), 4), {}
         for name, force in laws.items():
             strength = columns["drive.speed"] * force
-            group = np.repeat(np.arange(len(kept)), 4)
             slope = np.bincount(group, np.where(good, rate * strength, 0)) / np.bincount(group, np.where(good, strength ** 2, 1e-99))
-            has = np.isfinite(slope) & (slope > 0) & (np.bincount(group, good) >= 2)
-            fitted = np.linalg.lstsq(self._terms(*(each[::4][has] for each in x)), np.log(slope[has]), rcond=None)[0]
-            model = np.exp(self._terms(*x) @ fitted) * strength
+            has = (slope > 0) & (np.bincount(group, good) >= 2)
+            stiffness = (x[2] / x[3])[::4][has] / slope[has]
+            terms = self._terms(*(each[::4][has] for each in x)) / stiffness[:, None]
+            fitted = np.linalg.lstsq(terms, np.ones(len(terms)), rcond=None)[0]
+            model = self._strength(*x, fitted) * strength
             self.residual[name] = float(np.sqrt(np.mean((model - rate)[good] ** 2) / np.mean(rate[good] ** 2)))
             if name == "force":
                 self.coefficients, self.count, self.range = fitted, int(good.sum()), (slope[has].min(), slope[has].max())
 
     @staticmethod
     def _terms(ratio, load, clamping, speed):
-        """Terms of ln C; arguments: ln i, share of the torque limit, ln S_2, ln omega_1."""
-        return np.stack([np.ones_like(ratio), ratio, ratio ** 2, load, load ** 2, ratio * load, clamping, speed], axis=-1)
+        """Terms of (S_1 - S_1*) over d ln i/dt [N s], whose parts are the creep of elastic sheaves, 1/omega_1, and the dampers of the
+        cylinders; arguments: ln i, share of the torque limit, S_2, omega_1."""
+        force = np.log(clamping / 2e4)
+        creep = [np.ones_like(ratio), ratio, ratio ** 2, load, load ** 2, ratio * load, force, load * force]
+        return np.stack([each / speed for each in creep] + [np.ones_like(ratio), ratio, ratio ** 2], axis=-1)
+
+    def _strength(self, ratio, load, clamping, speed, coefficients):
+        """C: at least a tenth of the middle one, at most ten times."""
+        given = self._terms(ratio, load, clamping, speed) @ coefficients
+        middle = np.median(given)
+        return clamping / (speed * np.clip(given, 0.1 * middle, 10 * middle))
 
     def on(self, axes):
         """C at the points of a map."""
-        grid = np.meshgrid(np.log(axes["speed"]), np.log(axes["clamping"]), np.log(axes["ratio"]), axes["load"], indexing="ij")
-        return np.exp(self._terms(grid[2], grid[3], grid[1], grid[0]) @ self.coefficients)
+        grid = np.meshgrid(axes["speed"], axes["clamping"], np.log(axes["ratio"]), axes["load"], indexing="ij")
+        return self._strength(grid[2], grid[3], grid[1], grid[0], self.coefficients)
