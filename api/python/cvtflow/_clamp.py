@@ -10,7 +10,7 @@ from ._reduce import SAFETY, Bench, Machine, Map, _good, axes_of, steady
 from ._reduction import csv_text, efficiency
 from ._small import Small
 
-SHARES = (0.0, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9)
+SHARES = (0.0, 0.4, 0.6, 0.75, 0.85, 0.92, 0.97)
 _CHECKED = 5  # points at which both clamping forces run
 
 

@@ -28,7 +28,7 @@ struct ReduceArguments {
     SceneArguments scene;
     std::string folder, axes;
     int threads = 0;
-    double margin = 0.2;
+    double margin = 0.1;
 };
 
 /// Request to the Python package, which runs sweeps by this program and writes the files.
