@@ -1,5 +1,6 @@
 #include "tools/program/drawing.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/mman.h>
@@ -102,9 +103,11 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 }
 
 /// Exit status of the package, or 128 + signal. @throws std::runtime_error if it cannot be started
-int run_package(const MemoryFile& input, const MemoryFile& output, const MemoryFile& messages) {
+int run_package(const MemoryFile& input, const MemoryFile& output, const MemoryFile& messages, bool reports) {
     const std::string python = interpreter();
     std::vector<std::string> words{python, "-I", "-B", "-X", "utf8", package_file().string()}, settings = environment();
+    const int progress = reports ? fcntl(STDERR_FILENO, F_DUPFD, 64) : -1;
+    if (progress >= 0) settings.push_back(fmt::format("CVTFLOW_PROGRESS={}", progress));
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     int stream = 0;
@@ -112,6 +115,7 @@ int run_package(const MemoryFile& input, const MemoryFile& output, const MemoryF
     pid_t child = -1;
     const int failed = posix_spawn(&child, words[0].c_str(), &actions, nullptr, pointers(words).data(), pointers(settings).data());
     posix_spawn_file_actions_destroy(&actions);
+    if (progress >= 0) ::close(progress);
     if (failed != 0)
         throw std::runtime_error(
             fmt::format("pictures, pages and load cycles require Python, and {} cannot be started: {} (Debian: apt-get install {}; "
@@ -138,9 +142,9 @@ std::string path_for_python(const std::string& path) {
     return text;
 }
 
-std::string drawn(const nlohmann::json& request) {
+std::string drawn(const nlohmann::json& request, bool reports) {
     const MemoryFile input(request.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)), output, messages;
-    const int status = run_package(input, output, messages);
+    const int status = run_package(input, output, messages, reports);
     std::string message = messages.contents();
     while (message.ends_with('\n')) message.pop_back();
     if (status == static_cast<int>(ExitStatus::usage)) throw UsageError(message);

@@ -22,6 +22,8 @@ constexpr std::array commands{
     Command{"table", sweep, "Show the results of a sweep as text or CSV, or count the cycles of a recorded load", declare_table},
     Command{"merge", sweep, "Join the results of all workers of a sweep", declare_merge},
     Command{"diff", sweep, "Compare the results of two sweeps case by case", declare_diff},
+    Command{"reduce", sweep, "Reduce a machine to its steady map and shift law: tables and an FMU with measured errors", declare_reduce},
+    Command{"clamp", sweep, "Find the clamping forces of best efficiency at a margin of slip, as a table for a controller", declare_clamp},
     Command{"info", record, "Show the contents of a record, a state file or a sweep's table", declare_info},
     Command{"plot", record, "Draw records or a sweep: curves, orders, losses, maps; SVG, PNG or CSV", declare_plot},
     Command{"report", record, "Write a self-contained HTML page of records or a sweep: curves, the running chain, tables", declare_report},

@@ -59,7 +59,7 @@ def main():
     request = json.load(sys.stdin.buffer)
     os.chdir("/")  # a matplotlibrc in the working folder has no effect
     draws = request["command"] != "rainflow"
-    _require(["numpy"] + ["matplotlib"] * draws + ["h5py"] * ("records" in request) + ["jinja2"] * (request["command"] == "report"))
+    _require(["numpy"] + ["matplotlib"] * draws + ["h5py"] * ("records" in request or "axes" in request) + ["jinja2"] * (request["command"] == "report"))
     _package()
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is a message

@@ -99,6 +99,11 @@ def made(request):
 
         receive(request)
         return _loads.requested(request, records(request)[0])
+    if request["command"] in ("reduce", "clamp"):
+        from . import _clamp, _reduction
+
+        _known.received.update(request["known"])
+        return (_reduction if request["command"] == "reduce" else _clamp).requested(request)
     from . import _figures
 
     if request["command"] == "chart":

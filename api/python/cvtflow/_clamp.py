@@ -1,0 +1,114 @@
+"""`cvtflow clamp`: clamping forces of best efficiency at a margin of slip, over ratio and torque."""
+
+import math
+import time
+
+import numpy as np
+
+from ._known import Misuse
+from ._reduce import SAFETY, Bench, Machine, Map, _good, axes_of, steady
+from ._reduction import csv_text, efficiency
+from ._small import Small
+
+SHARES = (0.0, 0.4, 0.6, 0.75, 0.85, 0.92, 0.97)
+_CHECKED = 5  # points at which both clamping forces run
+
+
+class Rule:
+    """Clamping forces of best efficiency: by a map, above what the margin of slip asks for, within the range of clamping forces."""
+
+    def __init__(self, machine, model, axes, margin, safety):
+        self._machine, self._model, self._margin, self._safety = machine, model, margin, safety
+        self._range = axes["clamping"][0], axes["clamping"][-1]
+
+    def today(self, ratio, torque):
+        """Clamping force of the safety factor."""
+        return float(np.clip(self._safety * torque / self._machine.limit(ratio, 1.0), *self._range))
+
+    def best(self, ratio, torque, speed):
+        """Clamping force, and what decides: efficiency, slip or range. None: no force of the range keeps the margin."""
+        forces = np.geomspace(*self._range, 60)
+        places = [self._model.values_at(ratio, torque / self._machine.limit(ratio, each), each, speed)[0] for each in forces]
+        shares = np.array([torque / self._machine.limit(ratio, each) for each in forces])
+        allowed = np.flatnonzero((1.0 + self._margin) * shares <= [each["limit"] for each in places])
+        if not len(allowed):
+            return None
+        values = [efficiency(self._machine, self._model, ratio, torque, forces[k], speed)[0] for k in allowed]
+        chosen = allowed[int(np.argmax(values))]
+        return float(forces[chosen]), "range" if chosen == 0 else "slip" if chosen == allowed[0] else "efficiency"
+
+
+def _rows(rule, machine, model, axes, speed):
+    """Rows of the table: ratio, torque, forces, efficiencies, what decides."""
+    torques = np.linspace(0.0, machine.limit(1.0, axes["clamping"][-1]), 13)[1:]
+    for ratio in axes["ratio"]:
+        for torque in torques:
+            found = rule.best(ratio, torque, speed)
+            if found is not None:
+                today = rule.today(ratio, torque)
+                both = [efficiency(machine, model, ratio, torque, each, speed)[0] for each in (found[0], today)]
+                thrust = model.values_at(ratio, torque / machine.limit(ratio, found[0]), found[0], speed)[0]["thrust"]
+                yield ratio, torque, found[0], found[0] * thrust, today, *both, found[1]
+
+
+def _picture(rows, name, speed):
+    from . import _figures
+
+    ratio, torque, best, _, today, after, before = np.array([row[:7] for row in rows], dtype=float).T
+    panels = []
+    for label, values in (("clamping force [kN]", best / 1e3), ("gain [points of %]", 100 * (after - before))):
+        panel = _figures.Panel(f"{label.partition(' [')[0]} over torque and ratio", "torque of shaft 2 [N·m]", "ratio",
+                               scales=("linear", "log"))
+        panel.fields.append(_figures.Field(label, torque, ratio, values))
+        panels.append(panel)
+    heading = f"{name}: clamping of best efficiency, {speed * 30 / math.pi:.0f} rpm on shaft 1"
+    return _figures.picture(_figures.draw(panels, heading), "svg", "")
+
+
+def _confirmed(bench, machine, model, rows, speed):
+    """Lines that state both efficiencies at points of the table, by steady cases."""
+    spread = [rows[k] for k in np.linspace(0, len(rows) - 1, _CHECKED + 2).astype(int)[1:-1]]
+    points, thrust = [], []
+    for ratio, torque, best, _, today, *_rest in spread:
+        for force in (best, today):
+            points.append((ratio, torque / machine.limit(ratio, force), force, speed))
+            thrust.append(model.values_at(*points[-1])[0]["thrust"])
+    found = steady(bench, machine, "confirm", points, np.array(thrust), step=bench.shorter_step())
+    power = np.array([torque for _, torque, *_rest in spread]).repeat(2) * speed / found["ratio_mean"]
+    runs, good = power / (power + found["loss_total_mean"]), _good(found)
+    for k, (ratio, torque, best, _, today, after, before, decides) in enumerate(spread):
+        said = f"{100 * (runs[2 * k] - runs[2 * k + 1]):+.3f}" if good[2 * k:2 * k + 2].all() else "not steady"
+        yield (f"  ratio {ratio:.2f}, {torque:5.0f} N*m: {best / 1e3:5.2f} kN instead of {today / 1e3:5.2f} kN ({decides}), efficiency "
+               f"{100 * after:.2f} instead of {100 * before:.2f} %: gain {100 * (after - before):+.3f} points, by runs {said}")
+
+
+def requested(request):
+    """Computes the table that the program requests. Returns what it prints."""
+    begin = time.monotonic()
+    bench = Bench(request)
+    machine, margin = Machine(bench.scene), request["margin"]
+    axes = axes_of(machine, request["axes"])
+    speed, safety = float(np.median(axes["speed"])), bench.scene["clamping.safety"] or SAFETY
+    axes["speed"] = np.array([speed])
+    if "load" not in request["axes"]:
+        axes["load"] = np.array(SHARES)
+    steady_map = Map(bench, machine, axes)
+    values = {**steady_map.values, "shift": 0 * steady_map.limit, "limit": steady_map.limit}
+    axes["speed"] = np.array([0.9, 1.1]) * speed  # the map is the same at all speeds
+    model = Small(machine, axes, {name: np.repeat(each, 2, axis=0) for name, each in values.items()}, bench.scene).load()
+    rows = list(_rows(Rule(machine, model, axes, margin, safety), machine, model, axes, speed))
+    if not rows:
+        raise Misuse(f"no clamping force of {axes['clamping'][0]:g} to {axes['clamping'][-1]:g} N keeps the margin of {margin:g}")
+    names = ("ratio [1]", "torque_2 [N*m]", "clamping_2 [N]", "clamping_1 [N]", "clamping_2_by_safety [N]", "efficiency [1]",
+             "efficiency_by_safety [1]")
+    bench.write("clamping.csv", csv_text({name: [row[k] for row in rows] for k, name in enumerate(names)}))
+    bench.write("clamping.svg", _picture(rows, request["name"], speed))
+    gains, decides = np.array([row[5] - row[6] for row in rows]), [row[7] for row in rows]
+    lines = [f"{request['name']}: {len(rows)} points at {speed * 30 / math.pi:.0f} rpm, margin of slip {100 * margin:.0f} % of the load "
+             f"beside the safety factor {safety:g}",
+             "  decided by " + ", ".join(f"{name} {decides.count(name)}" for name in ("efficiency", "slip", "range")),
+             f"  gain {100 * np.median(gains):+.3f} points of efficiency in the median, {100 * gains.min():+.3f} to "
+             f"{100 * gains.max():+.3f}",
+             *_confirmed(bench, machine, model, rows, speed),
+             f"written to {request['place']}: clamping.csv, clamping.svg, in {time.monotonic() - begin:.0f} s"]
+    return ("\n".join(lines) + "\n").encode()

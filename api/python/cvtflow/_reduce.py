@@ -1,0 +1,330 @@
+"""`cvtflow reduce`: a machine's steady map and shift law as tables, and as an FMU with measured errors."""
+
+import math
+import os
+import re
+import subprocess
+import time
+import tomllib
+
+import numpy as np
+
+from . import _known
+
+SHARES = (0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.85, 0.95)  # of the torque limit
+SAFETY = 1.3  # of tables over torque, where the scene has none
+KINDS = {"tips": ("tip_friction", "tip_damping"), "joints": ("joint_friction", "joint_damping"),
+         "plates": ("plate_friction", "plate_damping", "inner"), "supports": ("supports",)}
+SCALARS = ["ratio mean", "slip mean", "friction_slip mean", "shaft_1/clamping mean", "tight_tension mean", "slack_tension mean",
+           "loss/total mean", *(f"loss/{part} mean" for parts in KINDS.values() for part in parts)]
+_PLAIN = {"drive.mode": "speed", "load.mode": "torque", "load.linear": 0, "load.quadratic": 0, "vehicle.mass": 0, "cycle.speed": 0,
+          "hydraulics.mode": "none", "heat.enabled": False, "clamping.safety": 0, "control.driven": "none", "control.quantity": "ratio",
+          "start.state": "", "start.layout": "belt", "start.settling_time": "60 ms", "start.ramp_time": "5 ms",
+          "run.output_interval": "200 us"}
+_STEADY = {"control.enabled": True, "control.gains": "found", "control.when_steady": "hold", "run.until": "steady"}
+
+
+def toml(value):
+    """A value as TOML."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(toml(each) for each in value) + "]"
+    return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"' if isinstance(value, str) else repr(value)
+
+
+class Machine:
+    """What the map needs of a scene: radii by ratio, torque limit, ranges of the axes."""
+
+    def __init__(self, scene):
+        self.scene = scene
+        self.friction = scene["tip.friction_coefficient"] * scene.get("tip.friction_scale", 1.0)
+        self.limits = scene["pulley.innermost"], scene["pulley.outermost"]
+        self._length = scene["chain.pins"] * np.mean(scene["chain.pitch"])
+        self._distance = scene["pulley.centre_distance"]
+
+    def radii(self, ratio):
+        """Running radii of both pulleys [m] that a chain without strain has at a ratio."""
+        def excess(first):
+            second = ratio * first
+            lean = math.asin(max(-1.0, min(1.0, (second - first) / self._distance)))
+            return math.pi * (first + second) + 2 * lean * (second - first) + 2 * self._distance * math.cos(lean) - self._length
+
+        low, high = 0.1 * self.limits[0], self.limits[1]
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if excess(middle) > 0 else (middle, high)
+        return low, ratio * low
+
+    def limit(self, ratio, clamping):
+        """Torque of shaft 2 at which the chain slips in theory [N m]: 2 mu S_2 r_2/cos(beta)."""
+        return 2 * self.friction * clamping * self.radii(ratio)[1] / math.cos(self.scene["tip.angle"])
+
+    def _range(self, key):
+        given = self.scene[key]
+        values = [row[1] for row in given] if isinstance(given, list) else [given]
+        return min(values), max(values)
+
+    def axes(self):
+        """Default axes: what the grooves have room for, and the scene's speeds and clamping forces with what lies around them."""
+        ends = [ratio for ratio in np.geomspace(1.0, 6.0, 200)
+                if self.radii(ratio)[0] >= 1.3 * self.limits[0] and self.radii(ratio)[1] <= 0.95 * self.limits[1]] or [1.2]
+        if self.scene["cycle.speed"]:
+            slow, fast = self.scene["cycle.idle_speed"], 1.2 * self._range("cycle.engine_speed")[1]
+        else:
+            slow, fast = self._range("drive.speed")
+        speeds = np.linspace(slow, fast, 4) if fast > 1.5 * slow > 0 else np.array([0.4, 0.8, 1.3, 2.0]) * fast
+        most = max(self._range("clamping.driven")[1], 1e3)
+        return {"ratio": np.geomspace(1 / ends[-1], ends[-1], 7), "load": np.array(SHARES), "clamping": np.geomspace(0.4, 2.0, 4) * most,
+                "speed": speeds, "points": 40, "fine": 10, "courses": True}
+
+
+def axes_of(machine, text):
+    """Axes of a file over the default ones, checked. Raises Misuse."""
+    axes = machine.axes()
+    try:
+        given = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise _known.Misuse(f"--axes: {error}") from None
+    for name, value in given.items():
+        if name not in axes:
+            raise _known.Misuse(f"--axes: no axis {name}{_known.suggestion(name, axes)}; there are {', '.join(axes)}")
+        axes[name] = value
+        if name in ("ratio", "load", "clamping", "speed"):
+            try:
+                axes[name] = np.array([_number(each) for each in value], dtype=float)
+            except (TypeError, ValueError):
+                raise _known.Misuse(f"--axes: {name}: a list of numbers in SI or with rpm, N or kN") from None
+            if len(axes[name]) < 2 or (np.diff(axes[name]) <= 0).any() or axes[name][0] < 0 or (name != "load" and axes[name][0] == 0):
+                raise _known.Misuse(f"--axes: {name}: two values or more, rising, positive")
+    if axes["load"][0] != 0:
+        raise _known.Misuse("--axes: load: the first share of the torque limit is 0")
+    return axes
+
+
+def _number(value):
+    if not isinstance(value, str):
+        return float(value)
+    number, unit = re.fullmatch(r"\s*([-+.\deE]+)\s*(\S*)\s*", value).groups()
+    return float(number) * {"": 1.0, "rad/s": 1.0, "rpm": math.pi / 30, "N": 1.0, "kN": 1e3, "1": 1.0}[unit]
+
+
+class Bench:
+    """Runs sweeps and scenes of one machine with the program, in a folder in which a second start continues."""
+
+    def __init__(self, request):
+        self.folder, self._program = (os.fsdecode(request[name].encode("latin-1")) for name in ("folder", "program"))
+        self.scene, self._threads = request["scene"], ["--threads", str(request["threads"])] * (request["threads"] > 0)
+        self.level = request["detail"]
+        self.runs = os.path.join(self.folder, "runs")
+        os.makedirs(self.runs, exist_ok=True)
+        self.write("runs/scene.toml", request["text"])
+
+    def write(self, name, content):
+        """Writes a file of the folder, if its content changes."""
+        path, content = os.path.join(self.folder, name), content if isinstance(content, bytes) else content.encode()
+        if os.path.exists(path):
+            with open(path, "rb") as file:
+                if file.read() == content:
+                    return
+        with open(path, "wb") as file:
+            file.write(content)
+
+    @staticmethod
+    def report(line):
+        """Prints a line of progress on the program's stderr."""
+        if place := os.environ.get("CVTFLOW_PROGRESS"):
+            os.write(int(place), f"  {line}\n".encode())
+
+    def call(self, *words):
+        """Output of the program. Raises RuntimeError with its message, unless rows state what failed."""
+        done = subprocess.run([self._program, *words], cwd=self.runs, capture_output=True, text=True)
+        if done.returncode not in (0, 5, 6, 7, 8):
+            raise RuntimeError(f"cvtflow {' '.join(words[:2])}: {done.stderr.strip()}")
+        return done.stdout
+
+    def shorter_step(self):
+        """Three fifths of the automatic step."""
+        text = self.call("check", "scene.toml", "--detail", self.level)
+        number, unit = re.search(r"step auto, ([\d.]+) (\w+) at the start", text).groups()
+        return f"{0.6 * float(number):g} {unit}"
+
+    def record(self, name, settings):
+        """Runs a ready scene with settings into NAME.h5, where that is missing."""
+        if not os.path.exists(os.path.join(self.runs, f"{name}.h5")):
+            begin = time.monotonic()
+            words = [f"--set={key}={toml(value)}" for key, value in settings.items()]
+            self.call("run", name, "--detail", self.level, "-q", "-o", f"{name}.h5", *words)
+            self.report(f"{name:12} in {time.monotonic() - begin:.0f} s")
+
+    def sweep(self, name, settings, rows, scalars, continued=False, detail=None):
+        """Results of a sweep over rows (key: values) as arrays by column; runs what is missing."""
+        import h5py
+
+        lines = ["[sweep]", f"name = {toml(name)}", 'scene = "scene.toml"', f"detail = {toml(detail or self.level)}", "[set]",
+                 *(f"{key} = {toml(value)}" for key, value in {**_PLAIN, **settings}.items()), "[[axes]]", f'csv = "{name}.csv"',
+                 "[outputs]", f"scalars = {toml(scalars)}", "[start]", 'mode = "settle"', *['continuation = "load.torque"'] * continued]
+        self.write(f"runs/{name}.csv", ", ".join(rows) + "\n" + "".join(
+            ", ".join(f"{value:.9g}" for value in row) + "\n" for row in zip(*rows.values())))
+        self.write(f"runs/{name}.toml", "\n".join(lines) + "\n")
+        begin = time.monotonic()
+        self.call("batch", f"{name}.toml", "-o", name, *self._threads, "-q", "--keep-going")
+        with h5py.File(os.path.join(self.runs, name, "cases.h5")) as file:
+            cases = file["cases"][:]
+        cases = cases[np.argsort(cases["case"])]
+        found = {column: cases[column] if cases[column].dtype.kind in "fiu" else np.char.decode(cases[column].astype("S"), "utf-8")
+                 for column in cases.dtype.names}
+        self.report(f"{name:12} {len(cases)} cases in {time.monotonic() - begin:.0f} s, {np.sum(found['status'] == 'ok')} ok")
+        return found
+
+
+def steady(bench, machine, name, points, thrust=None, step=None, detail=None, settings=None):
+    """Steady cases at points (ratio, share, clamping, speed): columns of the sweep. thrust: of each point, from which control begins; None:
+    the points are lines of rising loads, each of which starts from the end of the one before."""
+    ratio, share, clamping, speed = np.array(points).T
+    torque = share * [machine.limit(*each) for each in zip(ratio, clamping)]
+    begin = clamping * (ratio ** -0.29 if thrust is None else thrust)
+    rows = {"start.ratio": ratio, "control.ratio": ratio, "clamping.driven": clamping, "clamping.driving": begin, "load.torque": torque,
+            "drive.speed": speed}
+    chosen = {**_STEADY, "control.authority": 2.0 * float(clamping.max()), **({"run.step": step} if step else {}), **(settings or {})}
+    return bench.sweep(name, chosen, rows, SCALARS, continued=thrust is None, detail=detail)
+
+
+def _good(found):
+    slides = np.array(["gross_slip" in notes for notes in found["notes"]])
+    return (found["status"] == "ok") & ~slides & np.isfinite(found["loss_total_mean"])
+
+
+class Map:
+    """Steady values over speed, clamping, ratio and load: dimensionless arrays by name. Holes are filled, and above `limit`."""
+
+    def __init__(self, bench, machine, axes, settings=None, name="map"):
+        self.machine, self.axes = machine, axes
+        names = ("speed", "clamping", "ratio", "load")
+        grid = np.stack(np.meshgrid(*(axes[each] for each in names), indexing="ij"), axis=-1)
+        self.shape, loads = grid.shape[:-1], len(axes["load"])
+        points = grid.reshape(-1, 4)[:, [2, 3, 1, 0]]
+        found = steady(bench, machine, name, points, settings=settings)
+        missing = (found["status"] == "unreliable").reshape(-1, loads).any(axis=1)
+        if missing.any():  # their energy balances do not close with the automatic step
+            again = steady(bench, machine, name + "_again", points[np.repeat(missing, loads)], step=bench.shorter_step(), settings=settings)
+            for column in found:
+                if column in again:
+                    found[column] = found[column].astype(object) if found[column].dtype.kind == "U" else found[column]
+                    found[column][np.repeat(missing, loads)] = again[column]
+        self.points, self.found, self.good = points, found, _good(found)
+        driving, driven, speed = found["shaft_1_clamping_mean"], points[:, 2], points[:, 3]
+        losses = {kind: sum(found[f"loss_{part}_mean"] for part in parts) for kind, parts in KINDS.items()}
+        raw = {"thrust": driving / driven, "slip": found["slip_mean"], "loss": found["loss_total_mean"] / (speed * driven),
+               "tips": losses["tips"] / (speed * driven), "tight": found["tight_tension_mean"] / driven,
+               "slack": found["slack_tension_mean"] / driven}
+        self.losses, self.torque = losses, points[:, 1] * [machine.limit(*each) for each in points[:, [0, 2]]]
+        self.values = {name: self._filled(each) for name, each in raw.items()}
+        self.limit = np.repeat(self._limits(), loads, axis=-1)
+        self.holes = int((~self.good).sum())
+
+    def _limits(self):
+        """Of each line the largest load with a steady case without gross slip; between such cases there is no limit."""
+        good = self.good.reshape(self.shape)
+        last = self.shape[-1] - 1 - np.argmax(good[..., ::-1], axis=-1)
+        return np.where(good.any(axis=-1), self.axes["load"][last], -1e-9)[..., None]
+
+    def _filled(self, values):
+        """A grid without holes: linear along the load, level beyond; a line without cases is that of the next clamping force or speed."""
+        made, good, load = values.reshape(self.shape).copy(), self.good.reshape(self.shape), self.axes["load"]
+        lines = {}
+        for place in np.ndindex(self.shape[:-1]):
+            has = good[place]
+            if has.sum() >= 2:
+                made[place] = np.interp(load, load[has], made[place][has])
+                lines[place] = made[place]
+        if not lines:
+            raise RuntimeError("no load of the map has a steady case: see the column status of map/cases.h5")
+        for place in np.ndindex(self.shape[:-1]):
+            if place not in lines:
+                made[place] = lines[min(lines, key=lambda other: sum(abs(a - b) for a, b in zip(place, other)))]
+        return made
+
+    def columns(self):
+        """Columns of map.csv: (heading, values)."""
+        found, point, torque = self.found, self.points, self.torque
+        power = torque * point[:, 3] / found["ratio_mean"]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            efficiency = np.where(power > 0, power / (power + found["loss_total_mean"]), np.nan)
+        made = {"ratio [1]": point[:, 0], "load_share [1]": point[:, 1], "torque_2 [N*m]": torque, "clamping_2 [N]": point[:, 2],
+                "speed_1 [rad/s]": point[:, 3], "efficiency [1]": efficiency, "slip [1]": found["slip_mean"],
+                "friction_slip [1]": found["friction_slip_mean"], "thrust_ratio [1]": found["shaft_1_clamping_mean"] / point[:, 2],
+                "clamping_1 [N]": found["shaft_1_clamping_mean"], "tight_tension [N]": found["tight_tension_mean"],
+                "slack_tension [N]": found["slack_tension_mean"],
+                "torque_limit_2 [N*m]": self.limit.reshape(-1) * [self.machine.limit(*each) for each in point[:, [0, 2]]],
+                "loss [W]": found["loss_total_mean"], **{f"loss_{kind} [W]": each for kind, each in self.losses.items()},
+                "steady [1]": self.good.astype(float)}
+        for name in ("loss [W]", "efficiency [1]"):
+            made[name] = np.where(self.good, made[name], np.nan)
+        return made
+
+
+class Law:
+    """The shift law d ln i/dt = -C omega_1 (S_1 - S_1*)/S_2, by transients of 40 ms with 10 and 20 % more and less clamping."""
+
+    TIMES = range(4, 41, 2)  # [ms]
+
+    def __init__(self, bench, steady_map, settings=None, name="shift"):
+        axes, shape = steady_map.axes, steady_map.shape
+        some = [sorted({0, n // 2, n - 1}) if n < 5 else range(0, n, 2) for n in shape[1:3]]
+        loads = [k for k in range(shape[3]) if k % 2 == 0]
+        kept = [(l, c, r, k) for l in sorted({shape[0] // 3, shape[0] - 1}) for c in some[0] for r in some[1] for k in loads
+                if axes["load"][k] <= 0.9 * steady_map.limit[l, c, r, k]]
+        rows = []
+        for l, c, r, k in kept:
+            thrust = steady_map.values["thrust"][l, c, r, k]
+            ratio, clamping, load = axes["ratio"][r], axes["clamping"][c], axes["load"][k]
+            rows += [(ratio, clamping, clamping * thrust * part, load * steady_map.machine.limit(ratio, clamping), axes["speed"][l])
+                     for part in (0.8, 0.9, 1.1, 1.2)]
+        columns = dict(zip(("start.ratio", "clamping.driven", "clamping.driving", "load.torque", "drive.speed"), np.array(rows).T))
+        free = {"control.enabled": False, "control.gains": "given", "control.when_steady": "control", "run.until": "40 ms"}
+        found = bench.sweep(name, {**free, **(settings or {})}, columns, [f"ratio at {each} ms" for each in self.TIMES])
+        time = 1e-3 * np.array(self.TIMES)
+        logs = np.log(np.stack([found[f"ratio_at_{each}_ms"] for each in self.TIMES], axis=1))
+        with np.errstate(invalid="ignore"):
+            rate = ((time - time.mean()) * (logs - logs.mean(axis=1)[:, None])).sum(axis=1) / ((time - time.mean()) ** 2).sum()
+        node = np.repeat(np.array(kept), 4, axis=0)
+        centre = np.array([np.interp(middle, np.log(axes["ratio"]), steady_map.values["thrust"][l, c, :, k])
+                           for middle, (l, c, r, k) in zip(logs.mean(axis=1), node)])
+        drive = columns["clamping.driving"] / columns["clamping.driven"]
+        laws = {"force": centre - drive, "logarithm": np.log(centre / drive)}
+        good = np.isfinite(rate) & (found["status"] == "ok") & (np.abs(rate) < 5)
+        if not good.any():
+            raise RuntimeError(f"no transient of the shift law has a result: {found['error'][0]}")
+        x = [np.log(columns["start.ratio"]), axes["load"][node[:, 3]], columns["clamping.driven"], columns["drive.speed"]]
+        group, self.residual = np.repeat(np.arange(len(kept)), 4), {}
+        for name, force in laws.items():
+            strength = columns["drive.speed"] * force
+            slope = np.bincount(group, np.where(good, rate * strength, 0)) / np.bincount(group, np.where(good, strength ** 2, 1e-99))
+            has = (slope > 0) & (np.bincount(group, good) >= 2)
+            stiffness = (x[2] / x[3])[::4][has] / slope[has]
+            terms = self._terms(*(each[::4][has] for each in x)) / stiffness[:, None]
+            fitted = np.linalg.lstsq(terms, np.ones(len(terms)), rcond=None)[0]
+            model = self._strength(*x, fitted) * strength
+            self.residual[name] = float(np.sqrt(np.mean((model - rate)[good] ** 2) / np.mean(rate[good] ** 2)))
+            if name == "force":
+                self.coefficients, self.count, self.range = fitted, int(good.sum()), (slope[has].min(), slope[has].max())
+
+    @staticmethod
+    def _terms(ratio, load, clamping, speed):
+        """Terms of (S_1 - S_1*) over d ln i/dt [N s], whose parts are the creep of elastic sheaves, 1/omega_1, and the dampers of the
+        cylinders; arguments: ln i, share of the torque limit, S_2, omega_1."""
+        force = np.log(clamping / 2e4)
+        creep = [np.ones_like(ratio), ratio, ratio ** 2, load, load ** 2, ratio * load, force, load * force]
+        return np.stack([each / speed for each in creep] + [np.ones_like(ratio), ratio, ratio ** 2], axis=-1)
+
+    def _strength(self, ratio, load, clamping, speed, coefficients):
+        """C: at least a tenth of the middle one, at most ten times."""
+        given = self._terms(ratio, load, clamping, speed) @ coefficients
+        middle = np.median(given)
+        return clamping / (speed * np.clip(given, 0.1 * middle, 10 * middle))
+
+    def on(self, axes):
+        """C at the points of a map."""
+        grid = np.meshgrid(axes["speed"], axes["clamping"], np.log(axes["ratio"]), axes["load"], indexing="ij")
+        return self._strength(grid[2], grid[3], grid[1], grid[0], self.coefficients)

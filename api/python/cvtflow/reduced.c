@@ -1,0 +1,305 @@
+/* A variator as a map of steady points and a shift law: ISO C99. FMI is 2 or 3; 0: the functions without a standard.
+   map.h has the axes, one row of VALUES numbers for each of their points, the names and start values of all variables.
+
+   The ratio i = omega_1/omega_2 (1 - slip) is a state: d ln i/dt = -C omega_1 (S_1 - S_1*)/S_2. The speed of shaft 1 is one as well where
+   its torque is given. Where shaft 2 drives, both pulleys change places. */
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "map.h"
+
+enum { THRUST, SLIP, LOSS, SHIFT, MOVING, TIPS = MOVING, TIGHT, SLACK, LIMIT }; /* MOVING: those that a step needs */
+
+typedef struct {
+    double v[COUNT];                    /* variables by reference, time first */
+    double ratio, speed;                /* states: i, omega_1 */
+    double turn, slowing, loss, before; /* d ln i/dt, d omega_2/dt, torque of the losses on shaft 1, omega_1 before */
+    int known;
+} Reduced;
+
+/* The cell of x on an axis of n points and the place in it; sets the flag where x is outside. */
+static int cell(const double* axis, int n, double x, double* place, int flag, int* outside) {
+    int k = 0;
+    const double rounding = 1e-9 * (axis[n - 1] - axis[0]);
+    if (!(x >= axis[0] - rounding && x <= axis[n - 1] + rounding)) *outside |= flag;
+    x = x > axis[0] ? (x < axis[n - 1] ? x : axis[n - 1]) : axis[0];
+    while (k < n - 2 && x > axis[k + 1]) ++k;
+    *place = (x - axis[k]) / (axis[k + 1] - axis[k]);
+    return k;
+}
+
+/* Values at ln i, share of the torque limit, S_2 and speed of the driving shaft; multilinear. Returns what is outside: 1 ratio, 2 load,
+   4 clamping, 8 speed. count: of values */
+static inline int values_at(double log_ratio, double share, double log_clamping, double speed, double* out, int count) {
+    double a, b, c, d;
+    int outside = 0, corner, n;
+    const int i = cell(ratio_axis, RATIOS, log_ratio, &a, 1, &outside), j = cell(load_axis, LOADS, share, &b, 2, &outside);
+    const int k = cell(clamping_axis, CLAMPINGS, log_clamping, &c, 4, &outside), l = cell(speed_axis, SPEEDS, speed, &d, 8, &outside);
+    for (n = 0; n < count; ++n) out[n] = 0.0;
+    for (corner = 0; corner < 8; ++corner) {
+        const int s = corner & 1, t = corner >> 1 & 1, u = corner >> 2;
+        const double weight = (s ? d : 1.0 - d) * (t ? c : 1.0 - c) * (u ? a : 1.0 - a);
+        const double(*row)[VALUES] = map[l + s][k + t][i + u];
+        for (n = 0; n < count; ++n) out[n] += weight * ((1.0 - b) * row[j][n] + b * row[j + 1][n]);
+    }
+    if (count == VALUES && share > out[LIMIT]) outside |= 2;
+    return outside;
+}
+
+/* 2 mu S r/cos(beta) of the driven pulley. */
+static double torque_limit(double log_ratio, double clamping) {
+    double place;
+    int none = 0;
+    const int k = cell(ratio_axis, RATIOS, log_ratio, &place, 0, &none);
+    return clamping * ((1.0 - place) * limit_per_force[k] + place * limit_per_force[k + 1]);
+}
+
+/* d ln i/dt at the present state and inputs; all: outputs as well. */
+static void evaluate(Reduced* m, int all) {
+    double* v = m->v;
+    double out[VALUES], law, ln, place;
+    const double i = m->ratio, speed = m->speed, second = speed / i, load = v[TORQUE_2] + v[INERTIA_2] * m->slowing;
+    const int back = load < 0.0; /* shaft 2 drives */
+    double first = v[SHIFT_MODE] == 0.0 ? v[CLAMPING_1] : m->known < 0 ? v[CLAMPING_2] : v[APPLIED], limit;
+    double driven = back ? first : v[CLAMPING_2], torque = back ? -load / i - m->loss : load;
+    int outside;
+    if (!(driven > 1.0)) driven = 1.0;
+    if (!(torque > 0.0)) torque = 0.0;
+    ln = log(i / (1.0 - v[SLIP_OUT])); /* the map is over the ratio of the speeds */
+    if (back) ln = -ln;
+    limit = torque_limit(ln, driven);
+    place = log(driven);
+    outside = all ? values_at(ln, torque / limit, place, back ? second : speed, out, VALUES)
+                  : values_at(ln, torque / limit, place, back ? second : speed, out, MOVING);
+    law = out[SHIFT] * (back ? second : speed);
+    if (v[SHIFT_MODE] != 0.0) { /* the clamping force of shaft 1 that moves the ratio toward its target */
+        m->turn = log(v[RATIO_TARGET] * (1.0 - v[SLIP_OUT]) / i) / v[TIME_CONSTANT];
+        first = back ? v[CLAMPING_2] / (out[THRUST] + m->turn / law) : driven * (out[THRUST] - m->turn / law);
+        first = first >= 0.0 ? (first < v[CLAMPING_LIMIT] ? first : v[CLAMPING_LIMIT]) : back ? v[CLAMPING_LIMIT] : 0.0;
+        if (back) driven = first > 1.0 ? first : 1.0;
+    }
+    m->turn = back ? law * (v[CLAMPING_2] / driven - out[THRUST]) : -law * (first / driven - out[THRUST]);
+    v[APPLIED] = first;
+    m->loss = out[LOSS] * driven * (back ? second / speed : 1.0); /* on shaft 1 */
+    v[SLIP_OUT] = back ? -out[SLIP] / (1.0 - out[SLIP]) : out[SLIP];
+    if (!all) return;
+    v[RATIO] = i / (1.0 - v[SLIP_OUT]);
+    v[SHAFT_1_SPEED] = speed;
+    v[SHAFT_2_SPEED] = speed / v[RATIO];
+    v[LOSSES] = m->loss * speed;
+    v[TIP_LOSSES] = out[TIPS] * driven * (back ? second : speed);
+    v[TIGHT_TENSION] = out[TIGHT] * driven;
+    v[SLACK_TENSION] = out[SLACK] * driven;
+    v[CLAMPING_BALANCE] = back ? v[CLAMPING_2] / out[THRUST] : v[CLAMPING_2] * out[THRUST];
+    v[LIMIT_2] = (back ? i : 1.0) * out[LIMIT] * limit;
+    v[DRIVE_TORQUE] = load / i + m->loss;
+    v[EFFICIENCY] = back ? (load / i + m->loss < 0.0 ? 1.0 - v[LOSSES] / (-load * second) : 0.0)
+                         : (load > 0.0 ? 1.0 - v[LOSSES] / (load * second + v[LOSSES]) : 0.0);
+    v[OUTSIDE] = outside;
+    m->known = 1;
+}
+
+static void advance_one(Reduced* m, double h) {
+    double* v = m->v;
+    double rise;
+    if (v[DRIVE_MODE] == 0.0 && v[SPEED_1] > 1.0) m->speed = v[SPEED_1];
+    if (m->known <= 0) evaluate(m, 0);
+    if (v[DRIVE_MODE] != 0.0) {
+        const double inertia = v[INERTIA_1] + v[INERTIA_2] / (m->ratio * m->ratio);
+        rise = (v[TORQUE_1] - v[TORQUE_2] / m->ratio - m->loss + v[INERTIA_2] * m->speed * m->turn / (m->ratio * m->ratio)) / inertia;
+        m->speed += h * rise;
+        if (!(m->speed > 1.0)) m->speed = 1.0;
+    } else {
+        rise = (m->speed - m->before) / h;
+    }
+    m->before = m->speed;
+    m->slowing = (rise - m->speed * m->turn) / m->ratio;
+    m->ratio *= 1.0 + h * m->turn * (1.0 + 0.5 * h * m->turn); /* exp(), with two terms */
+    m->known = 0;
+}
+
+/* In steps of 1 ms at most. */
+static void advance(Reduced* m, double length) {
+    const double count = ceil(length / 1e-3 - 1e-6);
+    long k;
+    const long steps = count > 1.0 ? (long)count : 1;
+    if (length <= 0.0) return;
+    for (k = 0; k < steps; ++k) advance_one(m, length / (double)steps);
+    evaluate(m, 1);
+    m->v[TIME] += length;
+}
+
+static void begin(Reduced* m) {
+    memcpy(m->v, start_values, sizeof start_values);
+    m->ratio = m->v[RATIO_START];
+    m->speed = m->before = m->v[SPEED_1];
+    m->turn = m->slowing = m->loss = 0.0;
+    m->known = -1;
+}
+
+/* State from the start values; three times, since slip and losses are inputs of themselves. */
+static void initialise(Reduced* m) {
+    int k;
+    m->before = m->speed = m->v[SPEED_1] > 1.0 ? m->v[SPEED_1] : 1.0;
+    for (k = 0; k < 3; ++k) {
+        m->ratio = m->v[RATIO_START] * (1.0 - m->v[SLIP_OUT]);
+        evaluate(m, 1);
+    }
+}
+
+static Reduced* create(void) {
+    Reduced* made = (Reduced*)malloc(sizeof *made);
+    if (made) begin(made);
+    return made;
+}
+
+#ifdef _WIN32
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+enum { OK, WARNING, DISCARD, ERROR };
+
+static int get(Reduced* m, const unsigned* r, size_t n, double* values) {
+    size_t k;
+    if (m->known <= 0) evaluate(m, 1);
+    for (k = 0; k < n; ++k) {
+        if (r[k] >= COUNT) return ERROR;
+        values[k] = m->v[r[k]];
+    }
+    return OK;
+}
+
+static int set(Reduced* m, const unsigned* r, size_t n, const double* values) {
+    size_t k;
+    for (k = 0; k < n; ++k) {
+        if (r[k] >= SETTABLE || !isfinite(values[k])) return ERROR;
+        m->v[r[k]] = values[k];
+    }
+    if (m->known > 0) m->known = 0;
+    return OK;
+}
+
+#if FMI == 0
+EXPORT Reduced* reduced_create(void) { return create(); }
+EXPORT void reduced_free(Reduced* m) { free(m); }
+EXPORT void reduced_initialise(Reduced* m) { initialise(m); }
+EXPORT int reduced_get(Reduced* m, const unsigned* r, size_t n, double* values) { return get(m, r, n, values); }
+EXPORT int reduced_set(Reduced* m, const unsigned* r, size_t n, const double* values) { return set(m, r, n, values); }
+EXPORT void reduced_advance(Reduced* m, double length) { advance(m, length); }
+EXPORT int reduced_values_at(double log_ratio, double share, double log_clamping, double speed, double* out) {
+    return values_at(log_ratio, share, log_clamping, speed, out, VALUES);
+}
+#elif FMI == 2
+#define NAME(name) fmi2##name
+#define fmi2GetFMUState fmi2GetFMUstate
+#define fmi2SetFMUState fmi2SetFMUstate
+#define fmi2FreeFMUState fmi2FreeFMUstate
+typedef const char* Text;
+EXPORT Text fmi2GetTypesPlatform(void) { return "default"; }
+EXPORT Text fmi2GetVersion(void) { return "2.0"; }
+EXPORT void* fmi2Instantiate(Text name, int type, Text id, Text place, const void* callbacks, int visible, int logging) {
+    (void)name, (void)place, (void)callbacks, (void)visible, (void)logging;
+    return type == 1 && id && strcmp(id, IDENTITY) == 0 ? create() : NULL;
+}
+EXPORT int fmi2SetupExperiment(void* m, int has, double tolerance, double start, int ends, double stop) {
+    (void)has, (void)tolerance, (void)ends, (void)stop;
+    ((Reduced*)m)->v[TIME] = start;
+    return OK;
+}
+EXPORT int fmi2EnterInitializationMode(void* m) { return m ? OK : ERROR; }
+EXPORT int fmi2GetReal(void* m, const unsigned* r, size_t n, double* values) { return get(m, r, n, values); }
+EXPORT int fmi2SetReal(void* m, const unsigned* r, size_t n, const double* values) { return set(m, r, n, values); }
+EXPORT int fmi2DoStep(void* m, double at, double length, int kept) {
+    (void)at, (void)kept;
+    advance(m, length);
+    return OK;
+}
+EXPORT int fmi2SetDebugLogging(void* m, int on, size_t n, const Text* categories) {
+    return (void)m, (void)on, (void)n, (void)categories, OK;
+}
+/* No variable has another type. */
+#define NONE(name, ...) \
+    EXPORT int NAME(name)(__VA_ARGS__) { return ERROR; }
+NONE(GetInteger, void* m, const unsigned* r, size_t n, int* v)
+NONE(GetBoolean, void* m, const unsigned* r, size_t n, int* v)
+NONE(GetString, void* m, const unsigned* r, size_t n, Text* v)
+NONE(SetInteger, void* m, const unsigned* r, size_t n, const int* v)
+NONE(SetBoolean, void* m, const unsigned* r, size_t n, const int* v)
+NONE(SetString, void* m, const unsigned* r, size_t n, const Text* v)
+NONE(GetDirectionalDerivative, void* m, const unsigned* z, size_t a, const unsigned* x, size_t b, const double* d, double* e)
+NONE(SetRealInputDerivatives, void* m, const unsigned* r, size_t n, const int* o, const double* v)
+NONE(GetRealOutputDerivatives, void* m, const unsigned* r, size_t n, const int* o, double* v)
+NONE(SerializedFMUstateSize, void* m, void* state, size_t* size)
+NONE(SerializeFMUstate, void* m, void* state, char* bytes, size_t size)
+NONE(DeSerializeFMUstate, void* m, const char* bytes, size_t size, void** state)
+NONE(CancelStep, void* m)
+NONE(GetStatus, void* m, int kind, int* v)
+NONE(GetRealStatus, void* m, int kind, double* v)
+NONE(GetIntegerStatus, void* m, int kind, int* v)
+NONE(GetBooleanStatus, void* m, int kind, int* v)
+NONE(GetStringStatus, void* m, int kind, Text* v)
+#else
+#define NAME(name) fmi3##name
+#include <stdbool.h>
+typedef const char* Text;
+EXPORT Text fmi3GetVersion(void) { return "3.0"; }
+EXPORT void* fmi3InstantiateCoSimulation(Text name, Text id, Text place, bool visible, bool logging, bool events, bool early,
+                                         const unsigned* r, size_t n, void* environment, void* log, void* update) {
+    (void)name, (void)place, (void)visible, (void)logging, (void)early, (void)r, (void)n, (void)environment, (void)log, (void)update;
+    return !events && id && strcmp(id, IDENTITY) == 0 ? create() : NULL;
+}
+EXPORT int fmi3EnterInitializationMode(void* m, bool has, double tolerance, double start, bool ends, double stop) {
+    (void)has, (void)tolerance, (void)ends, (void)stop;
+    ((Reduced*)m)->v[TIME] = start;
+    return OK;
+}
+EXPORT int fmi3GetFloat64(void* m, const unsigned* r, size_t n, double* values, size_t count) {
+    return count == n ? get(m, r, n, values) : ERROR;
+}
+EXPORT int fmi3SetFloat64(void* m, const unsigned* r, size_t n, const double* values, size_t count) {
+    return count == n ? set(m, r, n, values) : ERROR;
+}
+EXPORT int fmi3DoStep(void* m, double at, double length, bool kept, bool* event, bool* ends, bool* early, double* last) {
+    (void)at, (void)kept;
+    advance(m, length);
+    *event = *ends = *early = false;
+    *last = ((Reduced*)m)->v[TIME];
+    return OK;
+}
+EXPORT int fmi3SetDebugLogging(void* m, bool on, size_t n, const Text* categories) {
+    return (void)m, (void)on, (void)n, (void)categories, OK;
+}
+EXPORT void* fmi3InstantiateModelExchange(void) { return NULL; }
+EXPORT void* fmi3InstantiateScheduledExecution(void) { return NULL; }
+/* No variable has another type, and no function of the rest is offered. */
+#define NONE(name) \
+    EXPORT int fmi3##name(void* m) { return (void)m, ERROR; }
+#define TYPE(name) NONE(Get##name) NONE(Set##name)
+TYPE(Float32)
+TYPE(Int8) TYPE(UInt8) TYPE(Int16) TYPE(UInt16) TYPE(Int32) TYPE(UInt32) TYPE(Int64) TYPE(UInt64) TYPE(Boolean) TYPE(String) TYPE(Binary)
+    TYPE(Clock) TYPE(IntervalDecimal) TYPE(IntervalFraction) TYPE(ShiftDecimal) TYPE(ShiftFraction) NONE(SerializedFMUStateSize)
+        NONE(SerializeFMUState) NONE(DeserializeFMUState) NONE(GetDirectionalDerivative) NONE(GetAdjointDerivative)
+            NONE(GetOutputDerivatives) NONE(GetNumberOfVariableDependencies) NONE(GetVariableDependencies) NONE(EnterConfigurationMode)
+                NONE(ExitConfigurationMode) NONE(EvaluateDiscreteStates) NONE(UpdateDiscreteStates) NONE(EnterEventMode) NONE(EnterStepMode)
+                    NONE(ActivateModelPartition) NONE(EnterContinuousTimeMode) NONE(CompletedIntegratorStep) NONE(SetTime)
+                        NONE(SetContinuousStates) NONE(GetContinuousStateDerivatives) NONE(GetEventIndicators) NONE(GetContinuousStates)
+                            NONE(GetNominalsOfContinuousStates) NONE(GetNumberOfEventIndicators) NONE(GetNumberOfContinuousStates)
+#endif
+
+#if FMI != 0
+EXPORT void NAME(FreeInstance)(void* m) { free(m); }
+EXPORT int NAME(ExitInitializationMode)(void* m) { return initialise(m), OK; }
+EXPORT int NAME(Terminate)(void* m) { return m ? OK : ERROR; }
+EXPORT int NAME(Reset)(void* m) { return begin(m), OK; }
+EXPORT int NAME(GetFMUState)(void* m, void** state) {
+    if (!*state) *state = malloc(sizeof(Reduced));
+    return *state ? (memcpy(*state, m, sizeof(Reduced)), OK) : ERROR;
+}
+EXPORT int NAME(SetFMUState)(void* m, void* state) { return memcpy(m, state, sizeof(Reduced)), OK; }
+EXPORT int NAME(FreeFMUState)(void* m, void** state) { return (void)m, free(*state), *state = NULL, OK; }
+#endif

@@ -1,0 +1,211 @@
+#!/usr/bin/python3
+"""What `cvtflow reduce` and `cvtflow clamp` write: tables, reduced model, FMUs. Exit status 77: packages are missing.
+
+    tests/tools/reduce_test.py CVTFLOW SOURCE_DIR
+"""
+
+import csv
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import types
+import unittest
+import zipfile
+from pathlib import Path
+
+try:
+    import h5py  # noqa: F401
+    import matplotlib  # noqa: F401
+    import numpy as np
+except ImportError as error:
+    print(f"skipped: {error}")
+    sys.exit(77)
+if shutil.which("cc") is None:
+    print("skipped: there is no C compiler")
+    sys.exit(77)
+
+CVTFLOW, SOURCE = (os.path.abspath(path) for path in sys.argv[1:3])
+folder = tempfile.TemporaryDirectory(prefix="cvtflow-reduce-")
+os.chdir(folder.name)
+drawing = types.ModuleType("reduction")  # the package without the compiled module
+drawing.__path__ = [SOURCE + "/api/python/cvtflow"]
+sys.modules["reduction"] = drawing
+from reduction import _reduce, _small  # noqa: E402
+
+SCENE = {"chain.pins": 84, "chain.pitch": 8.12e-3, "pulley.centre_distance": 0.17, "pulley.innermost": 0.025, "pulley.outermost": 0.08,
+         "tip.angle": math.radians(11), "tip.friction_coefficient": 0.09, "tip.friction_scale": 1.0, "pulley.sheave_polar_inertia": 8e-3,
+         "pulley.shaft_polar_inertia": 0.02, "drive.inertia": 0.0, "load.inertia": 0.0}
+AXES = {name: np.array(values) for name, values in (("ratio", [0.5, 1.0, 2.0]), ("load", [0.0, 0.5, 0.9]), ("clamping", [1e4, 4e4]),
+                                                    ("speed", [100.0, 300.0]))}
+
+
+def cvtflow(*words):
+    return subprocess.run([CVTFLOW, *words], capture_output=True, text=True)
+
+
+def made_up(thrust=1.2, law=0.02, loss=2e-5, slip=0.004):
+    """A model whose map is the same everywhere, so that its motion is known."""
+    shape = tuple(len(AXES[name]) for name in ("speed", "clamping", "ratio", "load"))
+    values = dict(thrust=thrust, slip=slip, loss=loss, shift=law, tips=0.8 * loss, tight=0.5, slack=0.2, limit=0.9)
+    return _small.Small(_reduce.Machine(SCENE), AXES, {name: np.full(shape, value) for name, value in values.items()}, SCENE)
+
+
+class ModelInC(unittest.TestCase):
+    def test_moves_the_ratio_by_the_shift_law(self):
+        model = made_up().load()
+        model.begin(speed_1=200.0, torque_2=50.0, clamping_1=22e3, clamping_2=20e3, ratio_start=1.0, inertia_2=0.0)
+        model.advance(0.1)
+        self.assertAlmostEqual(math.log(model.get("ratio")), -0.02 * 200.0 * (1.1 - 1.2) * 0.1, places=8)  # -C omega_1 (S_1 - S_1*)/S_2 t
+        self.assertAlmostEqual(model.get("clamping_balance"), 24e3, places=6)
+
+    def test_keeps_the_ratio_at_the_balance_of_forces_whichever_shaft_drives(self):
+        for torque, clamping in ((60.0, 24e3), (-60.0, 20e3 / 1.2)):
+            model = made_up().load()
+            model.begin(speed_1=200.0, torque_2=torque, clamping_1=clamping, clamping_2=20e3, ratio_start=1.0, inertia_2=0.0)
+            model.advance(1.0)
+            self.assertAlmostEqual(model.get("ratio"), 1.0, places=6)
+
+    def test_gives_and_takes_the_energy_of_the_shafts(self):
+        model = made_up(thrust=1.0).load()
+        model.begin(drive_mode=1.0, speed_1=150.0, torque_1=80.0, torque_2=60.0, clamping_1=21e3, clamping_2=20e3, ratio_start=1.0,
+                    inertia_1=0.1, inertia_2=0.3)
+        energy, work = [], 0.0
+        for _ in range(200):
+            first, second = model.get("shaft_1.speed"), model.get("shaft_2.speed") / (1.0 - model.get("slip"))
+            energy.append(0.5 * 0.1 * first ** 2 + 0.5 * 0.3 * second ** 2)
+            before = 80.0 * first - 60.0 * second - model.get("loss")
+            model.advance(1e-3)
+            second = model.get("shaft_2.speed") / (1.0 - model.get("slip"))
+            work += 0.5e-3 * (before + 80.0 * model.get("shaft_1.speed") - 60.0 * second - model.get("loss"))
+        first, second = model.get("shaft_1.speed"), model.get("shaft_2.speed") / (1.0 - model.get("slip"))
+        self.assertLess(abs(0.5 * 0.1 * first ** 2 + 0.5 * 0.3 * second ** 2 - energy[0] - work), 0.01 * work)  # steps of 1 ms, first order
+
+    def test_follows_a_target_of_the_ratio(self):
+        for torque in (50.0, -50.0):
+            model = made_up().load()
+            model.begin(shift_mode=1.0, ratio_target=1.5, speed_1=200.0, torque_2=torque, clamping_2=20e3, ratio_start=1.0,
+                        time_constant=0.1)
+            model.advance(1.0)
+            self.assertAlmostEqual(model.get("ratio"), 1.5, delta=2e-3, msg=str(torque))
+
+    def test_reports_what_is_outside_its_map(self):
+        inside = dict(speed_1=200.0, torque_2=50.0, clamping_1=24e3, clamping_2=20e3, ratio_start=1.0)
+        changes = ({}, 0), ({"ratio_start": 3.0}, 1), ({"torque_2": 190.0}, 2), ({"clamping_2": 5e4}, 4), ({"speed_1": 400.0}, 8)
+        for change, bits in changes:
+            model = made_up().load()
+            model.begin(**{**inside, **change})
+            self.assertEqual(model.get("outside"), bits, change)
+
+    def test_is_ten_thousand_times_as_fast_as_the_clock(self):
+        from reduction._reduction import _speed_factor
+
+        small = made_up()
+        self.assertGreater(max(_speed_factor(small.load(), small) for _ in range(3)), 1e4)
+
+
+class Fmus(unittest.TestCase):
+    def test_run_in_fmpy(self):
+        sys.path.insert(0, os.environ.get("CVTFLOW_FMPY", ""))
+        try:
+            from fmpy import simulate_fmu
+            from fmpy.validation import validate_fmu
+        except ImportError as error:
+            self.skipTest(f"{error} (CVTFLOW_FMPY)")
+        start = dict(speed_1=200.0, torque_2=50.0, clamping_1=22e3, clamping_2=20e3)
+        model = made_up().load()
+        model.begin(**start)
+        model.advance(0.1)
+        for fmi in (2, 3):
+            made_up().write_fmu(f"one{fmi}.fmu", "one", fmi, "errors: 1 % < 2 %")
+            self.assertEqual(validate_fmu(f"one{fmi}.fmu"), [])
+            found = simulate_fmu(f"one{fmi}.fmu", stop_time=0.1, step_size=1e-3, start_values=start, output=["ratio", "efficiency"])
+            self.assertAlmostEqual(found["ratio"][-1], model.get("ratio"), places=12)
+            self.assertAlmostEqual(found["efficiency"][-1], model.get("efficiency"), places=12)
+
+    def test_compile_from_their_sources_without_a_warning(self):
+        for fmi in (2, 3):
+            made_up().write_fmu("two.fmu", "two", fmi, "")
+            with zipfile.ZipFile("two.fmu") as file:
+                file.extractall(f"two{fmi}")
+            done = subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Wno-unused-parameter", "-O2", "-shared", "-fPIC", "-o", "two.so",
+                                   f"two{fmi}/sources/reduced.c", "-lm"], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+
+def modelica_tables(text):
+    """Tables of a text file as Modelica reads it: arrays by name."""
+    lines = [line for line in text.splitlines() if not line.startswith("#")]
+    tables = {}
+    while lines:
+        name, rows, columns = re.fullmatch(r"double (\w+)\((\d+),(\d+)\)", lines.pop(0)).groups()
+        tables[name] = np.array([[float(each) for each in lines.pop(0).split()] for _ in range(int(rows))])
+        assert tables[name].shape == (int(rows), int(columns))
+    return tables
+
+
+class OfAScene(unittest.TestCase):
+    """A map of a few points of a machine with 84 pins."""
+
+    @classmethod
+    def setUpClass(cls):
+        Path("axes.toml").write_text('ratio = [0.8, 1.25]\nload = [0, 0.5]\nclamping = ["15 kN", "25 kN"]\n'
+                                     'speed = ["2000 rpm", "2600 rpm"]\n'
+                                     "points = 2\nfine = 0\ncourses = false\n")
+        cls.done = cvtflow("reduce", "baseline", "-o", "reduced", "--axes", "axes.toml")
+
+    def test_prints_errors_that_it_has_measured(self):
+        self.assertEqual(self.done.returncode, 0, self.done.stderr)
+        self.assertRegex(self.done.stdout, r"baseline: 16 points")
+        for name, largest in (("thrust ratio", 15.0), ("efficiency", 1.0)):  # of a map with two points along an axis
+            found = re.search(rf"rigid, points +{name} +2 +\S+ +\S+ +(\S+)", self.done.stdout)
+            self.assertLess(float(found[1]), largest, name)
+
+    def test_writes_tables_with_units_that_agree(self):
+        with open("reduced/map.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 16)
+        for row in rows:
+            if float(row["load_share [1]"]) > 0:
+                power = float(row["torque_2 [N*m]"]) * float(row["speed_1 [rad/s]"]) / float(row["ratio [1]"])
+                self.assertAlmostEqual(float(row["efficiency [1]"]), power / (power + float(row["loss [W]"])), delta=2e-4)
+            kinds = sum(float(row[f"loss_{kind} [W]"]) for kind in ("tips", "joints", "plates", "supports"))
+            self.assertAlmostEqual(kinds, float(row["loss [W]"]), delta=0.01 * kinds)
+        tables = modelica_tables(Path("reduced/combi_table.txt").read_text())
+        self.assertLess({"efficiency_1", "efficiency_2", "slip_1", "thrust_ratio_2", "loss_1"}, set(tables))
+        self.assertEqual(tables["efficiency_1"][1:, 0].tolist(), [0.8, 1.25])
+        self.assertTrue(((tables["efficiency_1"][1:, 1:] > 0.9) & (tables["efficiency_1"][1:, 1:] < 1)).all())
+        self.assertIn("cvt_eff_map(:,:,2)", Path("reduced/advisor.m").read_text())
+        self.assertIn("efficiency over torque and ratio", Path("reduced/map.svg").read_text())
+
+    def test_writes_fmus_whose_description_states_the_errors(self):
+        for fmi in (2, 3):
+            with zipfile.ZipFile(f"reduced/baseline_fmi{fmi}.fmu") as file:
+                self.assertRegex(file.read("modelDescription.xml").decode(), r"thrust ratio +2 ")
+                self.assertIn("sources/reduced.c", file.namelist())
+
+    def test_refuses_axes_that_it_does_not_have(self):
+        wrong = ("torqe = [1, 2]", "no axis torqe"), ("ratio = [2, 1]", "rising"), ("load = [0.1, 0.5]", "is 0"), ("= 3", "axes")
+        for text, message in wrong:
+            Path("wrong.toml").write_text(text)
+            done = cvtflow("reduce", "baseline", "-o", "none", "--axes", "wrong.toml")
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(message, done.stderr)
+
+    def test_finds_clamping_forces_that_lose_less_than_a_safety_factor(self):
+        Path("clamp.toml").write_text('ratio = [0.8, 1.25]\nload = [0, 0.45, 0.75]\nclamping = ["15 kN", "25 kN"]\n'
+                                      'speed = ["2000 rpm", "2100 rpm"]\n')
+        done = cvtflow("clamp", "baseline", "-o", "clamped", "--axes", "clamp.toml", "--margin", "0.3")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("gain", done.stdout)
+        with open("clamped/clamping.csv", encoding="utf-8") as file:
+            for row in csv.DictReader(file):
+                self.assertGreaterEqual(float(row["clamping_2 [N]"]), 15e3 * (1 - 1e-6))
+                self.assertLess(float(row["clamping_1 [N]"]), 2.0 * float(row["clamping_2 [N]"]))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)
