@@ -231,7 +231,7 @@ void print_parts(const tasks::Scene& scene) {
     time_part("accelerate", [&] { k.accelerate(c, columns); });
     time_part("inputs", [&] { inputs = pulleys.inputs().at(0.0, tail); });
     time_part("pulleys", [&] { pulleys.slope(tail, inputs, forces.reaction.sheaves, slope.data(), &forces.account); });
-    time_part("wrap", [&] { columns.wrap(model::Column::x, model::Column::tension); });
+    time_part("wrap", [&] { columns.wrap({columns.position.middle.x, columns.plate.tension}); });
     time_part("run of one step", [&] { machine.take_step(); });
 }
 

@@ -58,4 +58,11 @@ private:
 using Columns = ColumnsOf<double>;
 using FloatColumns = ColumnsOf<float>;
 
+/// Coefficients and solution of a ring of equations, in the order of RingShares (ring_solver.hpp): entry row · lanes + lane.
+struct RingRows {
+    double *rhs, *own, *back, *on;
+    double *upper, *lower;  ///< factors of the next row, and of the last row of the lane before
+    double* solution;
+};
+
 }  // namespace cvtflow::model

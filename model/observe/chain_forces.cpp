@@ -120,24 +120,23 @@ struct PlaneVector {
     double x, y;
 };
 
-[[nodiscard]] PlaneVector plane(const RigidColumns& columns, Column first, int entry) noexcept {
-    return {columns[first][entry], columns[first + 1][entry]};
-}
+[[nodiscard]] PlaneVector plane(const PlaneRow& rows, int entry) noexcept { return {rows.x[entry], rows.y[entry]}; }
 
 void show_tips(const RigidInstant& now, int link, ChainForces& forces) {
+    const TipRows& rows = now.columns.tip;
     for (int tip = 0; tip < tips_per_link; ++tip) {
         const std::size_t n = at_entry(tips_per_link * link + tip);
-        forces.tip_normal[n] = now.of_tip(Column::tip_normal, link, tip);
-        forces.tip_tangential[n] = -now.of_tip(Column::tip_tangential, link, tip);
-        forces.tip_radial[n] = now.of_tip(Column::sheave_outward, link, tip);
-        const double round = now.of_tip(Column::tip_tangential, link, tip), flank = now.of_tip(Column::tip_radial, link, tip);
-        const double friction = std::sqrt(round * round + flank * flank), grip = now.of_tip(Column::tip_grip, link, tip);
+        forces.tip_normal[n] = now.of_tip(rows.normal, link, tip);
+        forces.tip_tangential[n] = -now.of_tip(rows.tangential, link, tip);
+        forces.tip_radial[n] = now.of_tip(rows.sheave_outward, link, tip);
+        const double round = now.of_tip(rows.tangential, link, tip), flank = now.of_tip(rows.radial, link, tip);
+        const double friction = std::sqrt(round * round + flank * flank), grip = now.of_tip(rows.grip, link, tip);
         forces.tip_sliding[n] = grip > 0.0 ? friction / grip : 0.0;
         forces.tip_power[n] = friction * forces.tip_sliding[n];
-        forces.tip_radius[n] = now.of_tip(Column::tip_radius, link, tip);
+        forces.tip_radius[n] = now.of_tip(rows.radius, link, tip);
     }
     for (int end = 0; end < 2; ++end) {  // both tips press on a half, whose middle carries the mean
-        const double minus = now.of_tip(Column::sheave_axial, link, 2 * end), plus = now.of_tip(Column::sheave_axial, link, 2 * end + 1);
+        const double minus = now.of_tip(rows.sheave_axial, link, 2 * end), plus = now.of_tip(rows.sheave_axial, link, 2 * end + 1);
         forces.half_axial[at_entry(2 * link + end)] = -0.5 * (std::abs(minus) + std::abs(plus));
     }
 }
@@ -145,8 +144,8 @@ void show_tips(const RigidInstant& now, int link, ChainForces& forces) {
 /// The pack's tension and yaw moment, shared by its two lumped plates.
 void show_plates(const RigidInstant& now, int link, ChainForces& forces) {
     const RigidColumns& columns = now.columns;
-    const PlaneVector twist = plane(columns, Column::twist_x, link), t = plane(columns, Column::line_x, link);
-    const double tension = columns[Column::tension][link], yaw = -(twist.x * t.x + twist.y * t.y);
+    const PlaneVector twist = plane(columns.link.twist, link), t = plane(columns.line.direction, link);
+    const double tension = columns.plate.tension[link], yaw = -(twist.x * t.x + twist.y * t.y);
     const double lever = std::sqrt(now.model.coefficients().plate_square), difference = lever > 0.0 ? yaw / lever : 0.0;
     forces.plate_tension[at_entry(2 * link)] = 0.5 * (tension - difference);
     forces.plate_tension[at_entry(2 * link + 1)] = 0.5 * (tension + difference);
@@ -155,8 +154,8 @@ void show_plates(const RigidInstant& now, int link, ChainForces& forces) {
 /// Forces by which the links press the halves of a pin together, across and along the bisector of their pitch lines.
 void show_joint(const RigidInstant& now, int pin, ChainForces& forces) {
     const RigidColumns& columns = now.columns;
-    const PlaneVector before = plane(columns, Column::pull_x, pin - 1), after = plane(columns, Column::pull_x, pin);
-    const PlaneVector bisector = plane(columns, Column::bisector_x, pin), half{0.5 * (before.x + after.x), 0.5 * (before.y + after.y)};
+    const PlaneVector before = plane(columns.link.pull, pin - 1), after = plane(columns.link.pull, pin);
+    const PlaneVector bisector = plane(columns.rolling.bisector, pin), half{0.5 * (before.x + after.x), 0.5 * (before.y + after.y)};
     forces.joint_normal[at_entry(pin)] = std::max(0.0, -(half.x * bisector.x + half.y * bisector.y));
     forces.joint_friction[at_entry(pin)] = -(bisector.x * half.y - bisector.y * half.x);
 }

@@ -162,14 +162,15 @@ void Observer::observe_radii(const double* state, const Phase* phases) noexcept 
 void Observer::observe_rigid(const RigidInstant& now) noexcept {
     const RigidColumns& columns = now.columns;
     Observation& o = observation_;
-    const double *all = columns[Column::tension], *damping = columns[Column::stretch_damping_force];
+    const double *all = columns.plate.tension, *damping = columns.damping.stretch;
     for (int link = 0; link < columns.pins(); ++link) o.tension[index_of(link)] = all[link] - damping[link];
     for (int tip = 0; tip < tips_per_link; ++tip) {
         for (int link = 0; link < columns.pins(); ++link)
-            o.tip_axial[index_of(tips_per_link * link + tip)] = now.of_tip(Column::sheave_axial, link, tip);
+            o.tip_axial[index_of(tips_per_link * link + tip)] = now.of_tip(columns.tip.sheave_axial, link, tip);
     }
     if (variator_.chain().coefficients().guide.present) {
-        const auto [x, y, vx, vy] = std::tuple(columns[Column::x], columns[Column::y], columns[Column::vx], columns[Column::vy]);
+        const auto [x, y, vx, vy] =
+            std::tuple(columns.position.middle.x, columns.position.middle.y, columns.velocity.middle.x, columns.velocity.middle.y);
         for (int pin = 0; pin < columns.pins(); ++pin) observe_guide(1.0, x[pin], y[pin], vx[pin], vy[pin]);
     }
     const RigidSums sums = now.sums();

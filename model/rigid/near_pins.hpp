@@ -12,8 +12,8 @@ namespace {
 
 /// Largest normal force of each pin's tips in the last step [N].
 [[nodiscard]] inline PinLanes last_pressing(const RigidColumns& columns, int first) noexcept {
-    PinLanes most = read(columns, Column::tip_normal, first);
-    for (int tip = 1; tip < rigid_tips; ++tip) most = larger<rigid_lanes>(most, read(columns, Column::tip_normal + tip, first));
+    PinLanes most = read(columns.tip.normal[0], first);
+    for (std::size_t tip = 1; tip < rigid_tips; ++tip) most = larger<rigid_lanes>(most, read(columns.tip.normal[tip], first));
     return most;
 }
 
@@ -40,23 +40,25 @@ class PinNearness {
     using PlaneV = PlaneOf<W>;
 
 public:
-    PinNearness(RigidColumns& columns, const PinBlocks<W>::Blocks& blocks) noexcept : pins_(columns, blocks) {}
+    PinNearness(const RigidColumns& columns, const PinBlocks<W>::Blocks& blocks) noexcept : pins_(columns, blocks) {}
 
     /// Upper bound of the depth of each pin's tips [m]: the sphere nearest to the axis against the flank nearest to the pin.
     [[nodiscard, gnu::always_inline]] DoublesOf<W> bound(const RigidCoefficients& c, const PulleyBounds (&pulleys)[2]) const noexcept {
+        const RigidRows& columns = pins_.columns();
         const double rounding = 1e-6 * (c.middle + c.touching_radius);  // more than that of floats at these distances [m]
-        const PlaneV middle = read_rounded(Column::x), end = read_rounded(Column::p), bend = read_rounded(Column::bend_x);
+        const PlaneV middle = read_rounded(columns.position.middle), end = read_rounded(columns.position.end),
+                     bend = read_rounded(columns.position.bend);
         const auto of = [&](double PulleyBounds::*number) {
             return select_greater<W>(middle.x, V(c.middle), V(pulleys[1].*number), V(pulleys[0].*number));
         };
         const auto size = [](const PlaneV& v) { return abs(v.x) + abs(v.y); };
-        const PlaneV axis{of(&PulleyBounds::x), of(&PulleyBounds::y)}, apart = V(0.5) * read_rounded(Column::offset_x);
+        const PlaneV axis{of(&PulleyBounds::x), of(&PulleyBounds::y)}, apart = V(0.5) * read_rounded(columns.rolling.offset);
         const PlaneV arm = (middle - axis) + V(c.bend_lever) * bend;
         const PlaneV front = arm + apart + V(c.outward) * outward(-1), rear = arm - apart + V(c.outward) * outward(0);
         const V radius = sqrt(smaller<W>(dot(front, front), dot(rear, rear))), tilt = of(&PulleyBounds::tilt);
-        const V rise =
-            V(c.outward / c.half_length) * (size(end) + V(c.bend_slope) * size(bend)) + V(0.5) * abs(convert<W>(pins_.read(Column::slide)));
-        const V z = convert<W>(pins_.read(Column::z)), low = z - of(&PulleyBounds::low), high = of(&PulleyBounds::high) - z;
+        const V rise = V(c.outward / c.half_length) * (size(end) + V(c.bend_slope) * size(bend)) +
+                       V(0.5) * abs(convert<W>(pins_.read(columns.position.slide)));
+        const V z = convert<W>(pins_.read(columns.position.z)), low = z - of(&PulleyBounds::low), high = of(&PulleyBounds::high) - z;
         const V beside = V(c.lever) * size(end) + of(&PulleyBounds::apart), off = larger<W>(abs(low), abs(high)) + V(c.radius * c.cosine);
         const V a = radius - beside - tilt * (off + rise) - V(c.touching_radius);
         const V h = smaller<W>(low, high) - rise - tilt * (radius + beside);
@@ -64,11 +66,11 @@ public:
     }
 
 private:
-    [[nodiscard, gnu::always_inline]] PlaneV read_rounded(Column first, int offset = 0) const noexcept {
-        return convert<W>(pins_.plane(first, offset));
+    [[nodiscard, gnu::always_inline]] PlaneV read_rounded(const PlaneRow& rows, int offset = 0) const noexcept {
+        return convert<W>(pins_.read(rows, offset));
     }
     [[nodiscard, gnu::always_inline]] PlaneV outward(int line) const noexcept {
-        const PlaneV t = read_rounded(Column::line_x, line);
+        const PlaneV t = read_rounded(pins_.columns().line.direction, line);
         return {t.y, -t.x};
     }
 
@@ -90,79 +92,92 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
                 PinNearness(columns, {PinBlock{i, rigid_lanes}, PinBlock{next, rigid_lanes}}).bound(c, pulleys);
             near[0] = larger<rigid_lanes>(near[0], bound.low), near[1] = larger<rigid_lanes>(near[1], bound.high);
         }
-        write(columns, Column::near, i, near[0]);
-        write(columns, Column::near, next, near[1]);
+        write(columns.tip.near, i, near[0]);
+        write(columns.tip.near, next, near[1]);
     }
+}
+
+/// Whether none of eight pins is near.
+[[nodiscard, gnu::always_inline]] inline bool none_near(const double* near, int first) noexcept {
+    return all_at_most<rigid_lanes>(read(near, first), 0.0);
 }
 
 /// First near pin after at least seven that are not near, so that blocks that begin there do not overlap; -1: none.
 [[nodiscard]] inline int first_near_pin(const double* near, int pins) noexcept {
     if (pins < 2 * rigid_lanes) return -1;
     int free = 0;
-    for (int k = 0; k < pins + rigid_lanes; ++k) {
+    for (int k = 0; k < pins + rigid_lanes;) {
         const int pin = k < pins ? k : k - pins;
+        const bool none = none_near(near, pin);
         if (near[pin] > 0.0 && free >= rigid_lanes - 1) return pin;
-        free = near[pin] > 0.0 ? 0 : free + 1;
+        free = near[pin] > 0.0 ? 0 : free + (none ? rigid_lanes : 1);
+        k += none ? rigid_lanes : 1;
     }
     return -1;
 }
 
+/// Whether a pin belongs to one of the blocks. @param blocks their first pins, and their number in front of them
+[[nodiscard]] inline bool in_blocks(const double* blocks, int pins, int pin) noexcept {
+    for (int k = 0; k < static_cast<int>(blocks[-1]); ++k) {
+        const int first = static_cast<int>(blocks[k]), behind = pin >= first ? pin - first : pin - first + pins;
+        if (behind < rigid_lanes) return true;
+    }
+    return false;
+}
+
 /// Clears the tips' numbers of pins that are no longer near; moves those of a block that reached beyond the last pin to the first pins.
 inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
-    constexpr Column last = Column::tip_radius + (rigid_tips - 1);
-    columns.unwrap(Column::tip_stiffness_front, Column::tip_moment_rear, beyond);
-    columns.unwrap(Column::tip_force_x, last, beyond);
-    const PinLanes now(1.0), no(0.0);
-    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes written = read(columns, Column::written, i), kept = select_greater<rigid_lanes>(written, now, now, no);
-        write(columns, Column::written, i, kept);
-        if (all_at_most<rigid_lanes>(smaller<rigid_lanes>(written, now) - kept, 0.0)) continue;
-        for (int pin = i; pin < std::min(i + rigid_lanes, columns.pins()); ++pin) {
-            if (columns[Column::written][pin] != 0.0) continue;
-            columns.clear(Column::tip_stiffness_front, Column::tip_moment_rear, pin, 1);
-            columns.clear(Column::tip_force_x, last, pin, 1);
-        }
+    const auto rows = columns.tip.written_rows();
+    for (const RowRange& part : rows) columns.unwrap(part, beyond);
+    double *blocks = columns.tip.blocks, *before = columns.tip.blocks_before;
+    const int count = static_cast<int>(blocks[-1]);
+    if (std::equal(blocks - 1, blocks + count, before - 1)) return;
+    for (int pin = 0; pin < columns.pins(); ++pin) {
+        if (in_blocks(blocks, columns.pins(), pin) || (before[-1] >= 0.0 && !in_blocks(before, columns.pins(), pin))) continue;
+        for (const RowRange& part : rows) columns.clear(part, pin, 1);
     }
+    std::copy(blocks - 1, blocks + count, before - 1);
 }
 
 /// Sets the tips' numbers to those of pins far from any sheave, for velocities as they are.
 inline void clear_tips(RigidColumns& columns) noexcept {
     const int all = columns.padded() + rigid_lanes;
-    for (int tip = 0; tip < rigid_tips; ++tip) std::fill_n(columns[Column::tip_depth + tip], all, far_depth);
-    columns.clear(Column::tip_stiffness_front, Column::tip_moment_rear, 0, all);
-    columns.clear(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), 0, all);
+    for (const Row depth : columns.tip.depth) std::fill_n(depth, all, far_depth);
+    for (const RowRange& part : columns.tip.written_rows()) columns.clear(part, 0, all);
 }
 /// Moves the numbers of a block that reached beyond the last pin to the first pins.
 inline void unwrap_tips(RigidColumns& columns, int beyond) noexcept {
-    columns.unwrap(Column::tip_depth, Column::tip_moment_rear, beyond);
-    columns.unwrap(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), beyond);
+    columns.unwrap({columns.tip.depth[0], columns.tip.depth[3]}, beyond);
+    for (const RowRange& part : columns.tip.written_rows()) columns.unwrap(part, beyond);
 }
 
 /// Calls press(block) for blocks that have all near pins. A block that reaches beyond the last pin continues with copies of the first ones.
 /// @return number of copies
 template <class Press>
 [[nodiscard]] inline int over_near_pins(RigidColumns& columns, const Press& press) noexcept {
-    const int pins = columns.pins(), begin = first_near_pin(columns[Column::near], pins);
-    const double* near = columns[Column::near];
-    double* written = columns[Column::written];
-    int beyond = 0;
+    columns.wrap(columns.tip.near);
+    const double* near = columns.tip.near;
+    const int pins = columns.pins(), begin = first_near_pin(near, pins);
+    double* const blocks = columns.tip.blocks;
+    int count = 0, beyond = 0;
     for (int k = 0; begin >= 0 && k < pins;) {
         const int pin = begin + k < pins ? begin + k : begin + k - pins;
         const bool skip = !(near[pin] > 0.0);
-        k += skip ? 1 : rigid_lanes;
+        k += skip && !none_near(near, pin) ? 1 : rigid_lanes;
         if (skip) continue;
         if (pin + rigid_lanes > pins) {
             beyond = pin + rigid_lanes - pins;
-            columns.wrap(Column::force_x, Column::force_bend_y);
-            columns.wrap(Column::tip_normal, Column::tip_radial + (rigid_tips - 1));
+            columns.wrap(columns.force.rows());
+            columns.wrap(columns.tip.forces());
         }
-        for (int lane = pin; lane < pin + rigid_lanes; ++lane) written[lane < pins ? lane : lane - pins] = 2.0;
+        blocks[count++] = pin;
         press(PinBlock{pin, rigid_lanes});
     }
     for (int i = 0; begin < 0 && i < pins; i += rigid_lanes) {
-        std::fill_n(written + i, rigid_lanes, 2.0);
+        blocks[count++] = i;
         press(aligned_block(columns, i));
     }
+    blocks[-1] = count;
     return beyond;
 }
 

@@ -11,6 +11,8 @@ namespace cvtflow::model {
 
 namespace {
 
+[[nodiscard]] std::size_t at_row(int number) noexcept { return static_cast<std::size_t>(number); }
+
 /// Writes the reaction on all sheaves as loads of two links, one per shaft, which are added up like those of any others.
 void share_reaction(const SheaveForces& sheaves, int links, LinkLoad* loads) noexcept {
     std::fill_n(loads, links, LinkLoad{});
@@ -69,8 +71,9 @@ RigidInstant RigidChain::evaluate(const double* blocks, const SheaveMotion* shea
 
 double RigidInstant::kinetic() const noexcept {
     double sum = 0.0;
-    for (int k = 0; k < rigid_coordinates; ++k) {
-        const double *v = columns[Column::vx + k], *a = columns[Column::acceleration_x + k], mass = model.coefficients().inertia(k);
+    const auto velocity = columns.velocity.all(), acceleration = columns.acceleration.all();
+    for (std::size_t k = 0; k < rigid_coordinates; ++k) {
+        const double *v = velocity[k], *a = acceleration[k], mass = model.coefficients().inertia(static_cast<int>(k));
         for (int pin = 0; pin < columns.pins(); ++pin) sum += 0.5 * mass * (v[pin] - lead * a[pin]) * (v[pin] - lead * a[pin]);
     }
     return sum;
@@ -86,13 +89,15 @@ RigidSums RigidInstant::sums() const noexcept {
 void RigidChain::probe(const double* states, int links, const SheaveMotion* sheaves, TipProbe* probes) const noexcept {
     const ChainLayout& at = model_.layout();
     constexpr int links_at_once = rigid_lanes - 2;
+    const auto x = strip_.position.all(), v = strip_.velocity.all();
     for (int first = 0; first < links; first += links_at_once) {
         const int count = std::min(links_at_once, links - first);
         for (int k = 0; k < 2 * rigid_coordinates; ++k) {
             const double scale = model_.scale(k % rigid_coordinates);
             const int place = rigid_place(at, k % rigid_coordinates) + (k < rigid_coordinates ? 0 : at.link_size());
             for (int pin = 0; pin <= rigid_lanes; ++pin)
-                strip_[Column::x + k][pin] = scale * states[(first + std::min(pin, count + 2) - 1) * at.link_block() + place];
+                (k < rigid_coordinates ? x[at_row(k)] : v[at_row(k - rigid_coordinates)])[pin] =
+                    scale * states[(first + std::min(pin, count + 2) - 1) * at.link_block() + place];
         }
         model_.kernels().pitch_lines(strip_);
         model_.kernels().rolling_frames(model_.coefficients(), strip_);
@@ -127,49 +132,52 @@ void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, 
 
 void RigidModel::link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     f.account = {};
-    columns.wrap(Column::x, Column::vbend_y);
+    columns.wrap({columns.position.middle.x, columns.velocity.bend.y});
     kernels_.pitch_lines(columns);
-    columns.wrap(Column::line_x, Column::line_turn_ahead);
+    columns.wrap(columns.line.rows());
     kernels_.rolling_frames(coefficients_, columns);
-    columns.wrap(Column::bisector_x, Column::offset_ahead_y);
+    columns.wrap(columns.rolling.rows());
     kernels_.link_forces(coefficients_, kick, columns, f.account);
-    columns.wrap(Column::pull_x, Column::bow_y);
+    columns.wrap(columns.link.rows());
     kernels_.joint_forces(coefficients_, kick, columns, f.account);
-    columns.wrap(Column::offset_moment_x, Column::bend_moment);
+    columns.wrap({columns.joint.offset_moment.x, columns.joint.bend_moment});
     kernels_.sum_link_forces(columns);
     if (coefficients_.guide.present) kernels_.guide(coefficients_, kick, columns, f.account);
 }
 
 void RigidModel::plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     if (sheaves != nullptr && !kick.implicit()) kernels_.axial_rates(coefficients_, sheaves, columns);
-    columns.wrap(Column::lengthening, Column::lengthening);
+    columns.wrap(columns.tip.lengthening);
     kernels_.plate_friction(coefficients_, kick, columns, f.account);
-    columns.wrap(Column::joint_friction, Column::joint_friction);
+    columns.wrap(columns.joint.friction);
 }
 
 void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     f.reaction = {};
     if (sheaves == nullptr) return;
-    kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
-    columns.wrap(Column::tip_offset_moment_x, Column::tip_moment_rear);
-    columns.wrap(Column::tip_normal, Column::tip_normal + (rigid_tips - 1));
+    if (kick.implicit())
+        kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
+    else
+        kernels_.tips_now(coefficients_, sheaves, columns, f.reaction, f.account);
+    columns.wrap(columns.tip.moments());
+    columns.wrap({columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
 }
 
 void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     kernels_.joint_friction(coefficients_, kick, columns, f.account);
     kernels_.moments(columns);
-    columns.wrap(Column::tip_moment, Column::tip_moment_before);
+    columns.wrap({columns.tip.moment, columns.tip.moment_before});
     kernels_.accelerate(coefficients_, columns);
 }
 
 void RigidModel::accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept {
-    std::fill_n(columns[Column::tip_moment] - 1, columns.padded() + 2, 0.0);
+    std::fill_n(columns.tip.moment - 1, columns.padded() + 2, 0.0);
     accelerate(sheaves, {}, columns, forces);
 }
 
 void RigidModel::read(const double* blocks, RigidColumns& columns) const noexcept {
     for (int k = 0; k < rigid_coordinates; ++k) {
-        double *x = columns[Column::x + k], *v = columns[Column::vx + k];
+        double *x = columns.position.all()[at_row(k)], *v = columns.velocity.all()[at_row(k)];
         const double* from = blocks + rigid_place(layout_, k);
         for (int pin = 0; pin < layout_.links; ++pin, from += layout_.link_block()) {
             x[pin] = scale(k) * from[0];
@@ -180,7 +188,7 @@ void RigidModel::read(const double* blocks, RigidColumns& columns) const noexcep
 
 void RigidModel::write(const RigidColumns& columns, double* blocks) const noexcept {
     for (int k = 0; k < rigid_coordinates; ++k) {
-        const double *x = columns[Column::x + k], *v = columns[Column::vx + k];
+        const double *x = columns.position.all()[at_row(k)], *v = columns.velocity.all()[at_row(k)];
         double* to = blocks + rigid_place(layout_, k);
         for (int pin = 0; pin < layout_.links; ++pin, to += layout_.link_block()) {
             to[0] = x[pin] / scale(k);
@@ -190,7 +198,8 @@ void RigidModel::write(const RigidColumns& columns, double* blocks) const noexce
 }
 
 void RigidModel::acceleration(const RigidColumns& columns, int pin, double* of_pin) const noexcept {
-    for (int k = 0; k < rigid_coordinates; ++k) of_pin[rigid_place(layout_, k)] = columns[Column::acceleration_x + k][pin] / scale(k);
+    const auto acceleration = columns.acceleration.all();
+    for (int k = 0; k < rigid_coordinates; ++k) of_pin[rigid_place(layout_, k)] = acceleration[at_row(k)][pin] / scale(k);
 }
 
 RigidState::RigidState(const RigidModel& of)
@@ -212,7 +221,7 @@ void RigidState::write(double* y) const noexcept {
     const ChainLayout& at = model.layout();
     model.write(columns, y);
     for (int k = 0; k < rigid_coordinates; ++k) {
-        const double* acceleration = columns[Column::acceleration_x + k];
+        const double* acceleration = columns.acceleration.all()[at_row(k)];
         double* v = y + at.link_size() + rigid_place(at, k);
         for (int pin = 0; pin < at.links; ++pin) v[at.link_begin(pin)] -= lead * acceleration[pin] / model.scale(k);
     }
@@ -234,7 +243,7 @@ double RigidState::acceleration_energy() const noexcept {
     const RigidCoefficients& c = model.coefficients();
     double sum = 0.0;
     for (int k = 0; k < rigid_coordinates; ++k) {
-        const double *a = columns[Column::acceleration_x + k], mass = c.inertia(k);
+        const double *a = columns.acceleration.all()[at_row(k)], mass = c.inertia(k);
         for (int pin = 0; pin < c.pins; ++pin) sum += 0.5 * mass * a[pin] * a[pin];
     }
     return sum;

@@ -27,7 +27,7 @@ public:
     /// Columns with the constants of the links; everything else is zero.
     [[nodiscard]] RigidColumns columns() const;
 
-    /// Writes accelerations of the pins, at the columns' coordinates and velocities, into the columns acceleration_x ….
+    /// Writes accelerations of the pins, at the columns' coordinates and velocities, into the rows of accelerations.
     /// @param sheaves [4], nullptr: there are no pulleys
     void accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     /// accelerate() with friction of the present velocities, without memory of a step before.
@@ -70,10 +70,10 @@ struct RigidInstant {
 
     [[nodiscard]] double kinetic() const noexcept;  ///< energy of the pins [J]
     [[nodiscard]] RigidSums sums() const noexcept;
-    /// Entry of a column for tip number 2 end + side of a link: that of the pin whose half is at this end.
-    [[nodiscard]] double of_tip(Column first, int link, int tip) const noexcept {
+    /// Entry of rows for tip number 2 end + side of a link: that of the pin whose half is at this end.
+    [[nodiscard]] double of_tip(const TipRow& rows, int link, int tip) const noexcept {
         const int pin = tip < rigid_tips / 2 ? link : model.layout().next(link);
-        return columns[first + (tip + rigid_tips / 2) % rigid_tips][pin];
+        return rows[static_cast<std::size_t>((tip + rigid_tips / 2) % rigid_tips)][pin];
     }
 };
 
@@ -127,20 +127,5 @@ struct RigidState {
     std::vector<double> ledger;            ///< losses and works so far, where the state has them [J]
     double lead = 0.0;                     ///< time by which velocities are ahead of coordinates [s]
 };
-
-/// Columns that the pins keep from step to step: first and last of those that follow each other.
-inline constexpr Column kept_columns[][2] = {{Column::x, Column::vbend_y},
-                                             {Column::stretch_damping_force, Column::guide_friction},
-                                             {Column::line_turn, Column::line_turn},
-                                             {Column::rolling_moment, Column::rolling_moment},
-                                             {Column::acceleration_x, Column::acceleration_bend_y},
-                                             {Column::plate_friction, Column::plate_slip_high_before},
-                                             {Column::joint_friction, Column::joint_slip_before},
-                                             {Column::tip_stiffness_front, Column::tip_damping_rear},
-                                             {Column::tip_moment, Column::tip_moment},
-                                             {Column::tip_force_z, Column::tip_force_z},
-                                             {Column::tip_force_slide, Column::tip_force_slide},
-                                             {Column::lengthening, Column::lengthening},
-                                             {Column::tip_normal, Column::tip_radial + (rigid_tips - 1)}};
 
 }  // namespace cvtflow::model

@@ -98,17 +98,17 @@ void RigidCoefficients::fill(const Parameters& parameters, RigidColumns& columns
     const double pack = in_series(p.plate.count * p.plate.stiffness * plate_square, p.joint.stiffness / 3.0);
     for (int link = 0; link < pins; ++link) {
         const LinkKind& kind = c.kind(link);
-        columns[Column::free_length][link] = kind.free_length;
-        columns[Column::inverse_length][link] = kind.inverse_length;
-        columns[Column::yaw_stiffness][link] = pack + square * kind.bending.stiffness;
-        columns[Column::yaw_damping][link] = pull.damping * plate_square + square * kind.bending.damping;
-        columns[Column::shear_stiffness][link] = kind.shear.stiffness;
-        columns[Column::shear_damping][link] = kind.shear.damping;
-        columns[Column::torsion_stiffness][link] = square * kind.torsion.stiffness;
-        columns[Column::torsion_damping][link] = square * kind.torsion.damping;
-        columns[Column::longer][link] = unequal ? c.longer[static_cast<std::size_t>(link)] : 0.0;
+        columns.constants.free_length[link] = kind.free_length;
+        columns.constants.inverse_length[link] = kind.inverse_length;
+        columns.constants.yaw_stiffness[link] = pack + square * kind.bending.stiffness;
+        columns.constants.yaw_damping[link] = pull.damping * plate_square + square * kind.bending.damping;
+        columns.constants.shear_stiffness[link] = kind.shear.stiffness;
+        columns.constants.shear_damping[link] = kind.shear.damping;
+        columns.constants.torsion_stiffness[link] = square * kind.torsion.stiffness;
+        columns.constants.torsion_damping[link] = square * kind.torsion.damping;
+        columns.constants.longer[link] = unequal ? c.longer[static_cast<std::size_t>(link)] : 0.0;
     }
-    columns.wrap(Column::free_length, Column::longer);
+    columns.wrap({columns.constants.free_length, columns.constants.longer});
 }
 
 }  // namespace cvtflow::model

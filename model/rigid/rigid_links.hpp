@@ -9,18 +9,17 @@
 namespace cvtflow::model {
 namespace {
 
-inline void pitch_lines(RigidColumns& all) noexcept {
-    const RigidView columns(all);
+inline void pitch_lines(RigidColumns& columns) noexcept {
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const Plane chord = read_plane(columns, Column::x, i + 1) - read_plane(columns, Column::x, i);
-        const Plane rate = read_plane(columns, Column::vx, i + 1) - read_plane(columns, Column::vx, i);
+        const Plane chord = read(columns.position.middle, i + 1) - read(columns.position.middle, i);
+        const Plane rate = read(columns.velocity.middle, i + 1) - read(columns.velocity.middle, i);
         const PinLanes inverse = 1.0 / sqrt(dot(chord, chord));
         const Plane line = inverse * chord;
-        write_plane(columns, Column::line_x, i, line);
-        write(columns, Column::line_inverse, i, inverse);
+        write(columns.line.direction, i, line);
+        write(columns.line.inverse, i, inverse);
         const PinLanes turn = cross(line, rate) * inverse;
-        write(columns, Column::line_turn_ahead, i, 2.0 * turn - read(columns, Column::line_turn, i));
-        write(columns, Column::line_turn, i, turn);
+        write(columns.line.turn_ahead, i, 2.0 * turn - read(columns.line.turn, i));
+        write(columns.line.turn, i, turn);
     }
 }
 
@@ -31,27 +30,24 @@ struct Rolling {
     [[nodiscard]] Plane operator*(const Plane& f) const noexcept { return along * f - (across * dot(bisector, f)) * bisector; }
 };
 
-[[nodiscard]] inline Rolling read_rolling(const RigidView& columns, int i) noexcept {
-    return {read_plane(columns, Column::bisector_x, i), read(columns, Column::rolling_along, i), read(columns, Column::rolling_across, i)};
+[[nodiscard]] inline Rolling read_rolling(const RigidColumns& columns, int i) noexcept {
+    return {read(columns.rolling.bisector, i), read(columns.rolling.along, i), read(columns.rolling.across, i)};
 }
 
-inline void rolling_frames(const RigidCoefficients& c, RigidColumns& all) noexcept {
-    const RigidView columns(all);
+inline void rolling_frames(const RigidCoefficients& c, RigidColumns& columns) noexcept {
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const Plane behind = read_plane(columns, Column::line_x, i - 1), ahead = read_plane(columns, Column::line_x, i);
+        const Plane behind = read(columns.line.direction, i - 1), ahead = read(columns.line.direction, i);
         const Plane both = behind + ahead;
         const PinLanes inverse = 1.0 / sqrt(dot(both, both));
         const PinLanes across = c.diameter * inverse, along = across - c.arm;
         const Rolling rolling{inverse * both, along, across};
-        const auto parting_by = [&](Column turn) {
-            return rolling * (read(columns, turn, i - 1) * turned(behind) + read(columns, turn, i) * turned(ahead));
-        };
-        write_plane(columns, Column::bisector_x, i, rolling.bisector);
-        write(columns, Column::rolling_along, i, along);
-        write(columns, Column::rolling_across, i, across);
-        write_plane(columns, Column::offset_x, i, along * both);
-        write_plane(columns, Column::offset_vx, i, parting_by(Column::line_turn));
-        write_plane(columns, Column::offset_ahead_x, i, parting_by(Column::line_turn_ahead));
+        const auto parting_by = [&](Row turn) { return rolling * (read(turn, i - 1) * turned(behind) + read(turn, i) * turned(ahead)); };
+        write(columns.rolling.bisector, i, rolling.bisector);
+        write(columns.rolling.along, i, along);
+        write(columns.rolling.across, i, across);
+        write(columns.rolling.offset, i, along * both);
+        write(columns.rolling.offset_rate, i, parting_by(columns.line.turn));
+        write(columns.rolling.offset_ahead, i, parting_by(columns.line.turn_ahead));
     }
 }
 
@@ -70,89 +66,88 @@ struct LinkMotion {
     PinLanes bow_across;             ///< difference of these displacements across the link [m]
 };
 
-/// Displacement of the halves of link i along z: the front half of pin i+1 against the rear half of pin i. @param mean, slide columns of z
-/// and ζ
-[[nodiscard, gnu::always_inline]] inline PinLanes axial_parting(const RigidView& columns, Column mean, Column slide, int i) noexcept {
-    return read(columns, mean, i + 1) - read(columns, mean, i) + 0.5 * (read(columns, slide, i + 1) + read(columns, slide, i));
+/// Displacement of the halves of link i along z: the front half of pin i+1 against the rear half of pin i. @param of positions or
+/// velocities
+[[nodiscard, gnu::always_inline]] inline PinLanes axial_parting(const CoordinateRows& of, int i) noexcept {
+    return read(of.z, i + 1) - read(of.z, i) + 0.5 * (read(of.slide, i + 1) + read(of.slide, i));
 }
 
-[[nodiscard, gnu::always_inline]] inline LinkMotion link_motion(const RigidCoefficients& c, const RigidView& columns, int i) noexcept {
-    const auto difference = [&](Column of) { return read_plane(columns, of, i + 1) - read_plane(columns, of, i); };
-    const auto total = [&](Column of) { return read_plane(columns, of, i + 1) + read_plane(columns, of, i); };
-    const PinLanes per_length = read(columns, Column::inverse_length, i), per_half(1.0 / c.half_length), two_per = 2.0 * per_length;
+[[nodiscard, gnu::always_inline]] inline LinkMotion link_motion(const RigidCoefficients& c, const RigidColumns& columns, int i) noexcept {
+    const auto difference = [&](const PlaneRow& of) { return read(of, i + 1) - read(of, i); };
+    const auto total = [&](const PlaneRow& of) { return read(of, i + 1) + read(of, i); };
+    const PinLanes per_length = read(columns.constants.inverse_length, i), per_half(1.0 / c.half_length), two_per = 2.0 * per_length;
     LinkMotion m;
-    const Plane d = difference(Column::x) + PinLanes(0.5) * total(Column::offset_x);
-    const Plane rate = difference(Column::vx) + PinLanes(0.5) * total(Column::offset_vx);
+    const Plane d = difference(columns.position.middle) + PinLanes(0.5) * total(columns.rolling.offset);
+    const Plane rate = difference(columns.velocity.middle) + PinLanes(0.5) * total(columns.rolling.offset_rate);
     const PinLanes length = sqrt(dot(d, d));
     m.inverse = 1.0 / length;
     m.t = m.inverse * d;
     m.n = turned(m.t);
     m.turn = dot(rate, m.n) * m.inverse;
-    const Plane ends = difference(Column::p), end_rate = difference(Column::vp);
+    const Plane ends = difference(columns.position.end), end_rate = difference(columns.velocity.end);
     m.yaw = dot(ends, m.t);
     m.roll = dot(ends, m.n);
     m.yaw_rate = dot(end_rate, m.t) + m.turn * m.roll;
     m.roll_rate = dot(end_rate, m.n) - m.turn * m.yaw;
-    m.rise = axial_parting(columns, Column::z, Column::slide, i);
-    m.rise_rate = axial_parting(columns, Column::vz, Column::vslide, i);
+    m.rise = axial_parting(columns.position, i);
+    m.rise_rate = axial_parting(columns.velocity, i);
     const PinLanes square(c.plate_square);
-    m.stretch = (length - read(columns, Column::free_length, i)) + 0.5 * per_length * (square * m.roll * m.roll + m.rise * m.rise);
+    m.stretch = (length - read(columns.constants.free_length, i)) + 0.5 * per_length * (square * m.roll * m.roll + m.rise * m.rise);
     m.length_rate = dot(rate, m.t);
     m.stretch_rate = m.length_rate + per_length * (square * m.roll * m.roll_rate + m.rise * m.rise_rate);
-    const Plane sums = total(Column::p);
+    const Plane sums = total(columns.position.end);
     m.lean = dot(sums, m.t);
     m.lean_across = dot(sums, m.n);
     m.shear = -(per_half * m.lean) - two_per * m.rise;
-    m.shear_rate = -(per_half * (dot(total(Column::vp), m.t) + m.turn * m.lean_across)) - two_per * m.rise_rate;
-    const Plane bend = difference(Column::bend_x);
+    m.shear_rate = -(per_half * (dot(total(columns.velocity.end), m.t) + m.turn * m.lean_across)) - two_per * m.rise_rate;
+    const Plane bend = difference(columns.position.bend);
     m.bow = dot(bend, m.t);
     m.bow_across = dot(bend, m.n);
-    m.bow_rate = dot(difference(Column::vbend_x), m.t) + m.turn * m.bow_across;
+    m.bow_rate = dot(difference(columns.velocity.bend), m.t) + m.turn * m.bow_across;
     return m;
 }
 
 /// Energies and losses of links.
 struct LinkSums {
-    explicit LinkSums(const RigidView& columns) noexcept : plates(columns), pack(columns), damping(columns), inner(columns) {}
+    explicit LinkSums(const RigidColumns& columns) noexcept : plates(columns), pack(columns), damping(columns), inner(columns) {}
     PinSum plates, pack, damping, inner;
 };
 
-[[gnu::always_inline]] inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const RigidView& columns, int i,
+[[gnu::always_inline]] inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns, int i,
                                               LinkSums& sums) noexcept {
     const LinkMotion m = link_motion(c, columns, i);
-    const PinLanes yaw_stiffness = read(columns, Column::yaw_stiffness, i), yaw_damping = read(columns, Column::yaw_damping, i);
-    const PinLanes shear_stiffness = read(columns, Column::shear_stiffness, i), shear_damping = read(columns, Column::shear_damping, i);
-    const PinLanes torsion = read(columns, Column::torsion_stiffness, i), torsion_damping = read(columns, Column::torsion_damping, i);
+    const PinLanes yaw_stiffness = read(columns.constants.yaw_stiffness, i), yaw_damping = read(columns.constants.yaw_damping, i);
+    const PinLanes shear_stiffness = read(columns.constants.shear_stiffness, i), shear_damping = read(columns.constants.shear_damping, i);
+    const PinLanes torsion = read(columns.constants.torsion_stiffness, i), torsion_damping = read(columns.constants.torsion_damping, i);
     const PinLanes stretch_drag = c.pull.damping * m.stretch_rate, yaw_drag = yaw_damping * m.yaw_rate;
     const PinLanes torsion_drag = torsion_damping * m.roll_rate, shear_drag = shear_damping * m.shear_rate;
     const PinLanes bow_drag = c.bow.damping * m.bow_rate, bow = c.bow.stiffness * m.bow + bow_drag;
     const PinLanes tension = c.pull.stiffness * m.stretch + stretch_drag;
     const PinLanes yaw = yaw_stiffness * m.yaw + yaw_drag;
-    const PinLanes share = tension * read(columns, Column::inverse_length, i);  // T/ℓ_0
+    const PinLanes share = tension * read(columns.constants.inverse_length, i);  // T/ℓ_0
     const PinLanes roll = c.plate_square * share * m.roll + torsion * m.roll + torsion_drag;
     const PinLanes shear = shear_stiffness * m.shear + shear_drag;
     const PinLanes bend = shear * (1.0 / c.half_length);
     const PinLanes turning = roll * m.yaw - yaw * m.roll + bend * m.lean_across - bow * m.bow_across;
     Plane pull = (turning * m.inverse) * m.n - tension * m.t;
     FurtherElement::of_rigid_pins(m, i, pull, sums);
-    write_plane(columns, Column::pull_x, i, pull);
-    write(columns, Column::pull_z, i, 2.0 * read(columns, Column::inverse_length, i) * shear - share * m.rise);
-    write_plane(columns, Column::twist_x, i, PinLanes(-1.0) * (yaw * m.t + roll * m.n));
-    write_plane(columns, Column::shear_x, i, bend * m.t);
-    write_plane(columns, Column::bow_x, i, bow * m.t);
-    write(columns, Column::tension, i, tension);
+    write(columns.link.pull, i, pull);
+    write(columns.link.pull_z, i, 2.0 * read(columns.constants.inverse_length, i) * shear - share * m.rise);
+    write(columns.link.twist, i, PinLanes(-1.0) * (yaw * m.t + roll * m.n));
+    write(columns.link.shear, i, bend * m.t);
+    write(columns.link.bow, i, bow * m.t);
+    write(columns.plate.tension, i, tension);
     sums.plates.add(i, 0.5 * c.pull.stiffness * m.stretch * m.stretch);
     sums.pack.add(i, 0.5 * (yaw_stiffness * m.yaw * m.yaw + torsion * m.roll * m.roll + shear_stiffness * m.shear * m.shear +
                             c.bow.stiffness * m.bow * m.bow));
-    sums.damping.add(i, drag_power(kick, columns, Column::stretch_damping_force, i, stretch_drag, m.stretch_rate));
-    sums.inner.add(i, drag_power(kick, columns, Column::yaw_damping_force, i, yaw_drag, m.yaw_rate) +
-                          drag_power(kick, columns, Column::torsion_damping_force, i, torsion_drag, m.roll_rate) +
-                          drag_power(kick, columns, Column::shear_damping_force, i, shear_drag, m.shear_rate) +
-                          drag_power(kick, columns, Column::bow_damping_force, i, bow_drag, m.bow_rate));
+    sums.damping.add(i, drag_power(kick, columns.damping.stretch, i, stretch_drag, m.stretch_rate));
+    sums.inner.add(i, drag_power(kick, columns.damping.yaw, i, yaw_drag, m.yaw_rate) +
+                          drag_power(kick, columns.damping.torsion, i, torsion_drag, m.roll_rate) +
+                          drag_power(kick, columns.damping.shear, i, shear_drag, m.shear_rate) +
+                          drag_power(kick, columns.damping.bow, i, bow_drag, m.bow_rate));
 }
 
-inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
-    const RigidView columns(all);
+inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
     LinkSums sums(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) link_force(c, kick, columns, i, sums);
     account.store(Energy::plates, sums.plates.value());
@@ -163,38 +158,37 @@ inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, Rigid
 
 /// Both halves of a pin bend in one shape, stiffer across the direction of travel than along it. That direction turns with both pitch
 /// lines.
-[[gnu::always_inline]] inline void bend_pin(const RigidCoefficients& c, const RigidKick& kick, const RigidView& columns, int i,
+[[gnu::always_inline]] inline void bend_pin(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns, int i,
                                             PinSum& stored, PinSum& lost) noexcept {
-    const Plane along = read_plane(columns, Column::bisector_x, i), across = turned(along);
-    const Plane bend = read_plane(columns, Column::bend_x, i), rate = read_plane(columns, Column::vbend_x, i);
-    const PinLanes turn = 0.5 * (read(columns, Column::line_turn, i - 1) + read(columns, Column::line_turn, i));
+    const Plane along = read(columns.rolling.bisector, i), across = turned(along);
+    const Plane bend = read(columns.position.bend, i), rate = read(columns.velocity.bend, i);
+    const PinLanes turn = 0.5 * (read(columns.line.turn, i - 1) + read(columns.line.turn, i));
     const PinLanes u = dot(bend, along), v = dot(bend, across);
     const PinLanes u_rate = dot(rate, along) + turn * v, v_rate = dot(rate, across) - turn * u;
     const PinLanes u_drag = c.travel.damping * u_rate, v_drag = c.height.damping * v_rate;
     const PinLanes travel = c.travel.stiffness * u + u_drag, height = c.height.stiffness * v + v_drag;
-    write_plane(columns, Column::force_bend_x, i, PinLanes(-1.0) * (travel * along + height * across));
-    write(columns, Column::bend_moment, i, 0.5 * (height * u - travel * v));
+    write(columns.force.bend, i, PinLanes(-1.0) * (travel * along + height * across));
+    write(columns.joint.bend_moment, i, 0.5 * (height * u - travel * v));
     stored.add(i, 0.5 * (c.travel.stiffness * u * u + c.height.stiffness * v * v));
-    lost.add(i, drag_power(kick, columns, Column::bend_damping_force_along, i, u_drag, u_rate) +
-                    drag_power(kick, columns, Column::bend_damping_force_across, i, v_drag, v_rate));
+    lost.add(i, drag_power(kick, columns.damping.bend_along, i, u_drag, u_rate) +
+                    drag_power(kick, columns.damping.bend_across, i, v_drag, v_rate));
 }
 
 /// Halves that are pressed together by N resist rolling, as if a share of the strip of contact slid.
-inline void joint_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& all, Account& account) noexcept {
-    const RigidView columns(all);
+inline void joint_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
     PinSum lost(columns), bent(columns), inner(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         bend_pin(c, kick, columns, i, bent, inner);
-        const Plane half = PinLanes(0.5) * (read_plane(columns, Column::pull_x, i - 1) + read_plane(columns, Column::pull_x, i));
+        const Plane half = PinLanes(0.5) * (read(columns.link.pull, i - 1) + read(columns.link.pull, i));
         const Rolling rolling = read_rolling(columns, i);
         const PinLanes pressing = positive_part<rigid_lanes>(-dot(half, rolling.bisector));
-        const PinLanes bending = read(columns, Column::line_turn, i) - read(columns, Column::line_turn, i - 1);
+        const PinLanes bending = read(columns.line.turn, i) - read(columns.line.turn, i - 1);
         const PinLanes strip = c.rolling_arm * sqrt(pressing), slip = strip * bending;
         const PinLanes friction =
             c.joint_friction.coefficient * pressing * slip_factor_of_square<rigid_lanes>(c.joint_friction, slip * slip) * slip;
-        write_plane(columns, Column::offset_moment_x, i, rolling * half);
-        write(columns, Column::joint_normal, i, pressing);
-        lost.add(i, drag_power(kick, columns, Column::rolling_moment, i, strip * friction, bending));
+        write(columns.joint.offset_moment, i, rolling * half);
+        write(columns.joint.normal, i, pressing);
+        lost.add(i, drag_power(kick, columns.joint.rolling_moment, i, strip * friction, bending));
     }
     account.lose(Loss::joint_friction, lost.value());
     account.lose(Loss::inner, inner.value());
@@ -202,30 +196,28 @@ inline void joint_forces(const RigidCoefficients& c, const RigidKick& kick, Rigi
 }
 
 /// Action of link i on the pins at its ends in the plane: forces of its halves and the moment on its pitch line.
-[[nodiscard, gnu::always_inline]] inline Plane link_thrust(const RigidView& columns, int i) noexcept {
-    const Plane normal = turned(read_plane(columns, Column::line_x, i));
-    const Plane lean = read_plane(columns, Column::offset_moment_x, i) + read_plane(columns, Column::offset_moment_x, i + 1);
-    const PinLanes moment = dot(normal, lean) + read(columns, Column::rolling_moment, i + 1) - read(columns, Column::rolling_moment, i) +
-                            read(columns, Column::bend_moment, i + 1) + read(columns, Column::bend_moment, i) +
-                            read(columns, Column::tip_moment, i);
-    return read_plane(columns, Column::pull_x, i) + (moment * read(columns, Column::line_inverse, i)) * normal;
+[[nodiscard, gnu::always_inline]] inline Plane link_thrust(const RigidColumns& columns, int i) noexcept {
+    const Plane normal = turned(read(columns.line.direction, i));
+    const Plane lean = read(columns.joint.offset_moment, i) + read(columns.joint.offset_moment, i + 1);
+    const PinLanes moment = dot(normal, lean) + read(columns.joint.rolling_moment, i + 1) - read(columns.joint.rolling_moment, i) +
+                            read(columns.joint.bend_moment, i + 1) + read(columns.joint.bend_moment, i) + read(columns.tip.moment, i);
+    return read(columns.link.pull, i) + (moment * read(columns.line.inverse, i)) * normal;
 }
 
-inline void sum_link_forces(RigidColumns& all) noexcept {
-    const RigidView columns(all);
+inline void sum_link_forces(RigidColumns& columns) noexcept {
     Plane last{0.0, 0.0};  // of the eight links before
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane ahead = link_thrust(columns, i), behind = i == 0 ? link_thrust(columns, -1) : shifted_by_one_pin(last, ahead);
         last = ahead;
-        write_plane(columns, Column::force_x, i, behind - ahead);
-        const PinLanes front = read(columns, Column::pull_z, i - 1), rear = -read(columns, Column::pull_z, i);
-        write(columns, Column::force_z, i, front + rear);
-        write(columns, Column::force_slide, i, 0.5 * (front - rear));
-        const Plane twist = read_plane(columns, Column::twist_x, i - 1) - read_plane(columns, Column::twist_x, i);
-        const Plane shear = read_plane(columns, Column::shear_x, i - 1) + read_plane(columns, Column::shear_x, i);
-        write_plane(columns, Column::force_p, i, twist + shear);
-        const Plane bow = read_plane(columns, Column::bow_x, i) - read_plane(columns, Column::bow_x, i - 1);
-        write_plane(columns, Column::force_bend_x, i, read_plane(columns, Column::force_bend_x, i) + bow);
+        write(columns.force.middle, i, behind - ahead);
+        const PinLanes front = read(columns.link.pull_z, i - 1), rear = -read(columns.link.pull_z, i);
+        write(columns.force.z, i, front + rear);
+        write(columns.force.slide, i, 0.5 * (front - rear));
+        const Plane twist = read(columns.link.twist, i - 1) - read(columns.link.twist, i);
+        const Plane shear = read(columns.link.shear, i - 1) + read(columns.link.shear, i);
+        write(columns.force.end, i, twist + shear);
+        const Plane bow = read(columns.link.bow, i) - read(columns.link.bow, i - 1);
+        write(columns.force.bend, i, read(columns.force.bend, i) + bow);
     }
 }
 

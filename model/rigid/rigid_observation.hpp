@@ -24,7 +24,7 @@ private:
 
 /// Largest normal force of the tips of link i [N].
 [[nodiscard, gnu::always_inline]] inline PinLanes pressing(const RigidColumns& columns, int i) noexcept {
-    const auto of = [&](int tip, int pin) { return read(columns, Column::tip_normal + tip, pin); };
+    const auto of = [&](int tip, int pin) { return read(columns.tip.normal[tip], pin); };
     return larger<rigid_lanes>(larger<rigid_lanes>(of(2, i), of(3, i)), larger<rigid_lanes>(of(0, i + 1), of(1, i + 1)));
 }
 
@@ -34,8 +34,8 @@ struct CreepSum {
     PinLanes power{0.0};
 
     [[gnu::always_inline]] void add(const RigidColumns& columns, int tip, int i, const PinLanes& present, const PinLanes& second) noexcept {
-        const PinLanes grip = present * read(columns, Column::tip_grip + tip, i), radius = read(columns, Column::tip_radius + tip, i),
-                       around = present * read(columns, Column::tip_tangential + tip, i);
+        const PinLanes grip = present * read(columns.tip.grip[tip], i), radius = read(columns.tip.radius[tip], i),
+                       around = present * read(columns.tip.tangential[tip], i);
         hold.add(second, grip * radius * radius);
         drag.add(second, -(radius * around));
         power += around * around / larger<rigid_lanes>(grip, PinLanes(1e-300));
@@ -50,8 +50,8 @@ inline void observe_pins(const RigidCoefficients& c, double lead, const RigidCol
     CreepSum creep;
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes here = present(columns.pins(), i);
-        const Plane place = read_plane(columns, Column::x, i);
-        const Plane v = read_plane(columns, Column::vx, i) - PinLanes(lead) * read_plane(columns, Column::acceleration_x, i);
+        const Plane place = read(columns.position.middle, i);
+        const Plane v = read(columns.velocity.middle, i) - PinLanes(lead) * read(columns.acceleration.middle, i);
         const PinLanes second = select_greater<rigid_lanes>(place.x, PinLanes(c.middle), one, no);
         speed.add(here, sqrt(dot(v, v)));
         const PinLanes own = pressing(columns, i), behind = pressing(columns, i - 1), ahead = pressing(columns, i + 1);
@@ -63,10 +63,10 @@ inline void observe_pins(const RigidCoefficients& c, double lead, const RigidCol
         pins.add(second, held);
         const PinLanes nearest = larger<rigid_lanes>(own, larger<rigid_lanes>(behind, ahead));
         const PinLanes free = select_greater<rigid_lanes>(nearest, no, no, here), below = select_greater<rigid_lanes>(no, place.y, one, no);
-        tension.add(below, free * (read(columns, Column::tension, i) - read(columns, Column::stretch_damping_force, i)));
+        tension.add(below, free * (read(columns.plate.tension, i) - read(columns.damping.stretch, i)));
         links.add(below, free);
         for (int tip = 0; tip < rigid_tips; ++tip) {
-            touching.add(here, select_greater<rigid_lanes>(read(columns, Column::tip_normal + tip, i), no, one, no));
+            touching.add(here, select_greater<rigid_lanes>(read(columns.tip.normal[tip], i), no, one, no));
             creep.add(columns, tip, i, here, second);
         }
     }

@@ -19,18 +19,27 @@ struct TipAccount {
     Lanes<W> damping{0.0}, friction{0.0}, plates{0.0};  ///< plates: as pins lengthen [W]
 };
 
-/// Tips of a block of pins: in floats for the steps of a leapfrog, in doubles for velocities as they are.
-template <int W>
+/// What is evaluated: a step of a leapfrog, with the friction at its end; or velocities as they are.
+enum class Evaluation { step, instant };
+
+/// Tips of a block of pins.
+template <int W, Evaluation evaluation>
 class TipGroup {
     using V = Lanes<W>;
     using D = DoublesOf<W>;
     using PlaneV = PlaneOf<W>;
-    static constexpr bool implicit = is_single<W>;
+    static constexpr bool implicit = evaluation == Evaluation::step;
 
 public:
     [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
                                     const RigidKick& kick, RigidColumns& columns, const typename PinBlocks<W>::Blocks& blocks) noexcept
-        : c_(c), n_(numbers), kick_(kick), pins_(columns, blocks), motion_(c, numbers, sheaves, kick, pins_) {}
+        : c_(c),
+          n_(numbers),
+          kick_(kick),
+          pins_(columns, blocks),
+          columns_(columns),
+          tip_(columns.tip),
+          motion_(c, numbers, sheaves, kick, pins_) {}
 
     [[gnu::always_inline]] void place() noexcept {
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) place_tip<W>(c_, n_, motion_.half(tip), motion_.side(tip), tips_[tip]);
@@ -47,13 +56,12 @@ public:
 
     [[nodiscard]] D depth(std::size_t tip) const noexcept { return widened<W>(tips_[tip].depth); }
     void show_depths() noexcept {
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) pins_.write(Column::tip_depth + static_cast<int>(tip), depth(tip));
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) pins_.write(tip_.depth[tip], depth(tip));
     }
 
     void release() noexcept {
         pins_.over_blocks([&](auto block) {
-            pins_.columns().clear(Column::tip_stiffness_front, Column::tip_moment_rear, pins_[block].first, rigid_lanes);
-            pins_.columns().clear(Column::tip_force_x, Column::tip_radius + (rigid_tips - 1), pins_[block].first, rigid_lanes);
+            for (const RowRange& part : tip_.written_rows()) pins_.columns().clear(part, pins_[block].first, rigid_lanes);
         });
     }
 
@@ -70,16 +78,16 @@ public:
             begin_[tip] = tip_slip<W>(n_, half, side, tips_[tip], shortening);
             shortened += shortening;
             response[half_of_tip(tip)].add(tips_[tip], n, rate);
-            pins_.write(Column::tip_normal + static_cast<int>(tip), widened<W>(n.force));
+            pins_.write(tip_.normal[tip], widened<W>(n.force));
             stored += n.energy;
-            damped += damping_power(Column::tip_damping_force + static_cast<int>(tip), n.force - n.elastic, rate);
+            damped += damping_power(tip_.damping_force[tip], n.force - n.elastic, rate);
         }
-        pins_.write(Column::lengthening, widened<W>(V(-0.25) * shortened));
+        pins_.write(tip_.lengthening, widened<W>(V(-0.25) * shortened));
         store(response);
-        const auto pull = [&](Column spread) { return V(0.25 * c_.plate_reach) * convert<W>(pins_.read(spread) - pins_.read(spread, -1)); };
-        pull_ = pull(Column::plate_friction_moment);
+        const auto pull = [&](Row spread) { return V(0.25 * c_.plate_reach) * convert<W>(pins_.read(spread) - pins_.read(spread, -1)); };
+        pull_ = pull(columns_.plate.moment);
         const V here = pins_.present();
-        account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(Column::plate_friction_moment_before)) : pull_) * shortened);
+        account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(columns_.plate.moment_before)) : pull_) * shortened);
         account.energy += here * stored;
         account.damping += here * damped;
     }
@@ -92,14 +100,14 @@ public:
             const RigidTipForce<W> force = rigid_tip_force<W>(motion_.side(tip).side, tips_[tip], normal_[tip], pull_, memory(tip));
             total.add(n_, motion_.side(tip).side, motion_.half(tip), half_of_tip(tip), force);
         }
-        velocity_change_ = n_.per_mass * (convert<W>(pins_.plane(Column::force_x)) + total.half[0] + total.half[1]);
-        end_velocity_change_ = n_.per_tilt * (convert<W>(pins_.plane(Column::force_p)) + total.end);
-        bend_velocity_change_ = n_.per_bend * (convert<W>(pins_.plane(Column::force_bend_x)) + total.bend);
-        const D front = pins_.read(Column::plate_friction, -1), rear = pins_.read(Column::plate_friction),
-                tips = pins_.read(Column::tip_force_slide_expected);
-        const D free = pins_.read(Column::force_slide) + tips - D(0.5) * (rear + front) - pins_.read(Column::joint_friction);
-        free_share_ = convert<W>(D(1.0) - pins_.read(Column::joint_coupling));
-        const V mean = n_.per_mass * (convert<W>(pins_.read(Column::force_z) + (rear - front)) + (total.z[0] + total.z[1]));
+        velocity_change_ = n_.per_mass * (convert<W>(pins_.read(columns_.force.middle)) + total.half[0] + total.half[1]);
+        end_velocity_change_ = n_.per_tilt * (convert<W>(pins_.read(columns_.force.end)) + total.end);
+        bend_velocity_change_ = n_.per_bend * (convert<W>(pins_.read(columns_.force.bend)) + total.bend);
+        const D front = pins_.read(columns_.plate.friction, -1), rear = pins_.read(columns_.plate.friction),
+                tips = pins_.read(columns_.joint.tip_force_slide_expected);
+        const D free = pins_.read(columns_.force.slide) + tips - D(0.5) * (rear + front) - pins_.read(columns_.joint.friction);
+        free_share_ = convert<W>(D(1.0) - pins_.read(columns_.joint.coupling));
+        const V mean = n_.per_mass * (convert<W>(pins_.read(columns_.force.z) + (rear - front)) + (total.z[0] + total.z[1]));
         const V apart = n_.per_half_mass * (convert<W>(free) + free_share_ * (V(0.5) * (total.z[0] - total.z[1]) - convert<W>(tips)));
         velocity_change_z_[0] = mean + apart, velocity_change_z_[1] = mean - apart;
     }
@@ -115,7 +123,7 @@ public:
             total.add(n_, motion_.side(tip).side, motion_.half(tip), half_of_tip(tip), force);
             total.add_moment(n_, motion_.side(tip).side, motion_.half(tip), half_of_tip(tip), tips_[tip], force);
             add_on_sheave<W>(tips_[tip], force, on_side[end_of_tip(tip)]);
-            show(static_cast<int>(tip), force);
+            show(tip, force);
         }
         const V here = pins_.present();
         account.friction += here * rubbed;
@@ -125,23 +133,22 @@ public:
 
 private:
     /// drag_power() in the width W.
-    [[nodiscard, gnu::always_inline]] V damping_power(Column c, const V& force, const V& rate) noexcept {
-        const V acting = implicit ? 0.5 * (force + convert<W>(pins_.read(c))) : force;
-        pins_.write(c, widened<W>(force));
+    [[nodiscard, gnu::always_inline]] V damping_power(Row row, const V& force, const V& rate) noexcept {
+        const V acting = implicit ? 0.5 * (force + convert<W>(pins_.read(row))) : force;
+        pins_.write(row, widened<W>(force));
         return acting * rate;
     }
 
-    [[gnu::always_inline]] void show(int tip, const RigidTipForce<W>& f) noexcept {
-        const TipPlace<W>& place = tips_[static_cast<std::size_t>(tip)];
-        pins_.write(Column::tip_radius + tip, widened<W>(sqrt(dot(place.point, place.point))));
-        pins_.write(Column::sheave_outward + tip, widened<W>(-(dot(f.push, place.radial) + dot(f.friction, place.radial))));
-        pins_.write(Column::sheave_axial + tip, widened<W>(-(f.push_z + f.friction_z)));
+    [[gnu::always_inline]] void show(std::size_t tip, const RigidTipForce<W>& f) noexcept {
+        const TipPlace<W>& place = tips_[tip];
+        pins_.write(tip_.radius[tip], widened<W>(sqrt(dot(place.point, place.point))));
+        pins_.write(tip_.sheave_outward[tip], widened<W>(-(dot(f.push, place.radial) + dot(f.friction, place.radial))));
+        pins_.write(tip_.sheave_axial[tip], widened<W>(-(f.push_z + f.friction_z)));
     }
 
     /// Friction of the last step.
     [[nodiscard]] RigidSlip<W> memory(std::size_t tip) const noexcept {
-        const int number = static_cast<int>(tip);
-        return {convert<W>(pins_.read(Column::tip_tangential + number)), convert<W>(pins_.read(Column::tip_radial + number))};
+        return {convert<W>(pins_.read(tip_.tangential[tip])), convert<W>(pins_.read(tip_.radial[tip]))};
     }
 
     /// Sliding velocity after the change of the velocities: the pin has moved by half a step as well.
@@ -162,9 +169,9 @@ private:
         const RigidSlip<W> force = (-factor) * free;
         const RigidSlip<W> mean = implicit ? V(0.5) * (free + n_.response * force + begin_[tip]) : free;
         lost += -(force.tangential * mean.tangential + force.radial * mean.radial);
-        pins_.write(Column::tip_tangential + static_cast<int>(tip), widened<W>(force.tangential));
-        pins_.write(Column::tip_radial + static_cast<int>(tip), widened<W>(force.radial));
-        pins_.write(Column::tip_grip + static_cast<int>(tip), widened<W>(implicit ? factor / (1.0 - n_.response * factor) : factor));
+        pins_.write(tip_.tangential[tip], widened<W>(force.tangential));
+        pins_.write(tip_.radial[tip], widened<W>(force.radial));
+        pins_.write(tip_.grip[tip], widened<W>(implicit ? factor / (1.0 - n_.response * factor) : factor));
         if (implicit) follow(tip, force - old);
         return force;
     }
@@ -182,17 +189,17 @@ private:
 
     /// Remembered speed now. A tip without friction in the last step, and one at an instant, remembers its present speed.
     [[nodiscard, gnu::always_inline]] V remember(std::size_t tip, const RigidSlip<W>& old) noexcept {
-        const Column column = Column::remembered_speed + static_cast<int>(tip);
+        const Row row = tip_.remembered_speed[tip];
         const RigidSlip<W>& slip = begin_[tip];
         const V speed = sqrt(slip.tangential * slip.tangential + slip.radial * slip.radial);
         V remembered = speed;
         if (implicit) {
             const V rubbed = abs(old.tangential) + abs(old.radial);
             const V follows =
-                remembered_speed<W>(*c_.tip_law, c_.tip_friction.saturation_speed, kick_.step, convert<W>(pins_.read(column)), speed);
+                remembered_speed<W>(*c_.tip_law, c_.tip_friction.saturation_speed, kick_.step, convert<W>(pins_.read(row)), speed);
             remembered = select_greater<W>(rubbed, V(0.0), follows, speed);
         }
-        pins_.write(column, widened<W>(remembered));
+        pins_.write(row, widened<W>(remembered));
         return remembered;
     }
 
@@ -210,9 +217,9 @@ private:
 
     [[gnu::always_inline]] void store(const AxialResponse<W> (&of_half)[2]) noexcept {
         for (int k = 0; k < 2; ++k) {
-            pins_.write(Column::tip_stiffness_front + k, widened<W>(n_.stiffness * of_half[k].stiffness));
-            pins_.write(Column::tip_loading_front + k, widened<W>(n_.stiffness * of_half[k].loading_at_rest(motion_.velocity_z(k))));
-            pins_.write(Column::tip_damping_front + k, widened<W>(n_.damping * of_half[k].damping));
+            pins_.write(tip_.stiffness[k], widened<W>(n_.stiffness * of_half[k].stiffness));
+            pins_.write(tip_.loading[k], widened<W>(n_.stiffness * of_half[k].loading_at_rest(motion_.velocity_z(k))));
+            pins_.write(tip_.damping[k], widened<W>(n_.damping * of_half[k].damping));
         }
     }
     [[gnu::always_inline]] void store(const RigidTipForces<W>& total) noexcept {
@@ -220,19 +227,22 @@ private:
         pins_.over_blocks([&](auto block) {
             const int first = pins_[block].first;
             const Plane parting{pins_.piece(widened<W>(opening.x), block), pins_.piece(widened<W>(opening.y), block)};
-            write_plane(pins_.view(), Column::tip_offset_moment_x, first, read_rolling(pins_.view(), first) * parting);
+            write(tip_.offset_moment, first, read_rolling(pins_.columns(), first) * parting);
         });
         const V numbers[] = {total.moment[0], total.moment[1]}, forces[] = {sum.x,        sum.y,       total.z[0] + total.z[1],
                                                                             total.end.x,  total.end.y, V(0.5) * (total.z[0] - total.z[1]),
                                                                             total.bend.x, total.bend.y};
-        for (int k = 0; k < 2; ++k) pins_.write(Column::tip_moment_front + k, widened<W>(numbers[k]));
-        for (int k = 0; k < rigid_coordinates; ++k) pins_.write(Column::tip_force_x + k, widened<W>(forces[k]));
+        for (int k = 0; k < 2; ++k) pins_.write(tip_.moment_of_half[k], widened<W>(numbers[k]));
+        const auto rows = tip_.force.all();
+        for (std::size_t k = 0; k < rigid_coordinates; ++k) pins_.write(rows[k], widened<W>(forces[k]));
     }
 
     const RigidCoefficients& c_;
     const TipNumbers<W>& n_;
     const RigidKick& kick_;
     PinBlocks<W> pins_;
+    const RigidRows& columns_;
+    const TipRows& tip_;
     RigidTipMotion<W> motion_;
     PlaneV velocity_change_, end_velocity_change_, bend_velocity_change_;  ///< changes in this step [m/s]
     V velocity_change_z_[2], free_share_;  ///< changes of both halves; share of a parting force that friction between the halves leaves
@@ -243,17 +253,17 @@ private:
 };
 
 /// Sums over the tips of a whole chain.
-template <int W>
+template <int W, Evaluation evaluation>
 class TipSums {
 public:
     TipSums(const RigidCoefficients& c, const RigidKick& kick) noexcept : numbers_(c, kick) {}
 
     [[gnu::noinline]] void add(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                                const typename PinBlocks<W>::Blocks& blocks) noexcept {
-        TipGroup<W> group(c, numbers_, sheaves, kick, columns, blocks);
+        TipGroup<W, evaluation> group(c, numbers_, sheaves, kick, columns, blocks);
         group.place();
         group.bound(bounds_);
-        if constexpr (!is_single<W>) group.show_depths();
+        if (evaluation == Evaluation::instant) group.show_depths();
         if (group.free()) return group.release();
         group.press(sheaves, account_);
         group.predict();
@@ -277,13 +287,12 @@ private:
     TipBounds<W> bounds_;
 };
 
-/// Presses the tips of near pins, two blocks at a time.
-inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                            RigidReaction& reaction, Account& account) noexcept {
+/// Presses the tips of near pins over a step, in floats, two blocks at a time.
+inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                       RigidReaction& reaction, Account& account) noexcept {
     find_near_pins(c, sheaves, kick, columns);
-    constexpr Column remembered[] = {Column::remembered_speed, Column::remembered_speed + (rigid_tips - 1)};
-    if (c.remembers()) columns.wrap(remembered[0], remembered[1]);
-    TipSums<rigid_singles> sums(c, kick);
+    if (c.remembers()) columns.wrap(columns.tip.remembered());
+    TipSums<rigid_singles, Evaluation::step> sums(c, kick);
     PinBlock waiting{0, 0};
     const int beyond = over_near_pins(columns, [&](const PinBlock& block) {
         if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, block});
@@ -291,34 +300,34 @@ inline void press_near_tips(const RigidCoefficients& c, const SheaveMotion* shea
     });
     if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
     finish_near_pins(columns, beyond);
-    if (c.remembers()) columns.unwrap(remembered[0], remembered[1], beyond);
+    if (c.remembers()) columns.unwrap(columns.tip.remembered(), beyond);
     sums.store(c, reaction, account);
 }
 
-inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                       RigidReaction& reaction, Account& account) noexcept {
-    if (kick.implicit()) return press_near_tips(c, sheaves, kick, columns, reaction, account);
-    TipSums<rigid_lanes> sums(c, kick);
+/// Presses the tips with velocities as they are, in doubles, of pins that axial_rates() found near.
+inline void press_tips_now(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, RigidReaction& reaction,
+                           Account& account) noexcept {
+    const RigidKick kick;
+    TipSums<rigid_lanes, Evaluation::instant> sums(c, kick);
     unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) { sums.add(c, sheaves, kick, columns, {block}); }));
-    std::fill_n(columns[Column::written], columns.padded(), 1.0);
+    columns.tip.blocks_before[-1] = -1.0;
     sums.store(c, reaction, account);
 }
 
 inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept {
     const RigidKick kick;
     const TipNumbers<rigid_lanes> numbers(c, kick);
-    TipGroup<rigid_lanes> group(c, numbers, sheaves, kick, columns, {PinBlock{0, rigid_lanes}});
+    TipGroup<rigid_lanes, Evaluation::instant> group(c, numbers, sheaves, kick, columns, {PinBlock{0, rigid_lanes}});
     group.place();
     for (std::size_t tip = 0; tip < rigid_tips; ++tip) group.depth(tip).copy_to(depth + tip * rigid_lanes);
 }
 
-inline double contact_changes(RigidColumns& all, int tip) noexcept {
-    const RigidView columns(all);
+inline double contact_changes(RigidColumns& columns, int tip) noexcept {
     const PinLanes one(1.0), none(0.0);
     PinLanes changes(0.0);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes presses = select_greater<rigid_lanes>(read(columns, Column::tip_normal + tip, i), none, one, none);
-        changes += abs(presses - read(columns, Column::touching + tip, i));
+        const PinLanes presses = select_greater<rigid_lanes>(read(columns.tip.normal[tip], i), none, one, none);
+        changes += abs(presses - read(columns.tip.touching[tip], i));
     }
     return sum<rigid_lanes>(changes);
 }
@@ -331,21 +340,20 @@ inline void axial_rates(const RigidCoefficients& c, const SheaveMotion* sheaves,
     const TipNumbers<rigid_lanes> numbers(c, kick);
     TipAccount<rigid_lanes> ignored;
     unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) {
-                    TipGroup<rigid_lanes> group(c, numbers, sheaves, kick, columns, {block});
+                    TipGroup<rigid_lanes, Evaluation::instant> group(c, numbers, sheaves, kick, columns, {block});
                     group.place();
                     if (!group.free()) group.press(sheaves, ignored);
                 }));
 }
 
 /// M_i = n_i·(A_i g_i + A_{i+1} g_{i+1}) + moments of the tips on the halves that turn with pitch line i.
-inline void tip_moments(RigidColumns& all) noexcept {
-    const RigidView columns(all);
+inline void tip_moments(RigidColumns& columns) noexcept {
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const Plane normal = turned(read_plane(columns, Column::line_x, i));
-        const Plane lean = read_plane(columns, Column::tip_offset_moment_x, i) + read_plane(columns, Column::tip_offset_moment_x, i + 1);
-        write(columns, Column::tip_moment_before, i, read(columns, Column::tip_moment, i));
-        write(columns, Column::tip_moment, i,
-              dot(normal, lean) + read(columns, Column::tip_moment_rear, i) + read(columns, Column::tip_moment_front, i + 1));
+        const Plane normal = turned(read(columns.line.direction, i));
+        const Plane lean = read(columns.tip.offset_moment, i) + read(columns.tip.offset_moment, i + 1);
+        write(columns.tip.moment_before, i, read(columns.tip.moment, i));
+        write(columns.tip.moment, i,
+              dot(normal, lean) + read(columns.tip.moment_of_half[1], i) + read(columns.tip.moment_of_half[0], i + 1));
     }
 }
 

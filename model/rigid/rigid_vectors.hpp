@@ -61,43 +61,13 @@ template <int W>
     }
 }
 
-/// Entries i … i + 7 of a column.
-template <class C>
-[[nodiscard, gnu::always_inline]] inline PinLanes read(const C& columns, Column c, int i) noexcept {
-    return load<rigid_lanes>(columns[c] + i);
-}
-/// Plane vectors from a column and the next one.
-template <class C>
-[[nodiscard, gnu::always_inline]] inline Plane read_plane(const C& columns, Column c, int i) noexcept {
-    return {read(columns, c, i), read(columns, c + 1, i)};
-}
-template <class C>
-[[gnu::always_inline]] inline void write(C& columns, Column c, int i, const PinLanes& value) noexcept {
-    value.copy_to(columns[c] + i);
-}
-template <class C>
-[[gnu::always_inline]] inline void write_plane(C& columns, Column c, int i, const Plane& value) noexcept {
-    write(columns, c, i, value.x);
-    write(columns, c + 1, i, value.y);
-}
-
-/// Lanes from, from + 1, … of two vectors behind each other, 0 < from < W.
-template <int from, int W = rigid_lanes>
-[[nodiscard, gnu::always_inline]] inline Lanes<W> lanes_across(const Lanes<W>& first, const Lanes<W>& second) noexcept {
-    if constexpr (native_lanes == W) {
-        return slide<W, from>(first, second);
-    } else if constexpr (2 * native_lanes == W) {
-        constexpr int within = from % native_lanes;
-        if constexpr (from < native_lanes)
-            return {slide<native_lanes, within>(first.low, first.high), slide<native_lanes, within>(first.high, second.low)};
-        else
-            return {slide<native_lanes, within>(first.high, second.low), slide<native_lanes, within>(second.low, second.high)};
-    } else {
-        alignas(64) double both[2 * W];
-        first.copy_to(both);
-        second.copy_to(both + W);
-        return load<W>(both + from);
-    }
+/// Entries i … i + 7 of a row.
+[[nodiscard, gnu::always_inline]] inline PinLanes read(const double* row, int i) noexcept { return load<rigid_lanes>(row + i); }
+[[nodiscard, gnu::always_inline]] inline Plane read(const PlaneRow& rows, int i) noexcept { return {read(rows.x, i), read(rows.y, i)}; }
+[[gnu::always_inline]] inline void write(Row row, int i, const PinLanes& value) noexcept { value.copy_to(row + i); }
+[[gnu::always_inline]] inline void write(const PlaneRow& rows, int i, const Plane& value) noexcept {
+    write(rows.x, i, value.x);
+    write(rows.y, i, value.y);
 }
 
 /// Vectors of pins i - 1 … i + 6, given those of pins i - 8 … i - 1 and i … i + 7.
@@ -105,13 +75,12 @@ template <int from, int W = rigid_lanes>
     return {lanes_across<rigid_lanes - 1>(before.x, now.x), lanes_across<rigid_lanes - 1>(before.y, now.y)};
 }
 
-/// Power that a damping force dissipates; writes the force to its column. A velocity between two steps works with the mean of both steps'
+/// Power that a damping force dissipates; writes the force to its row. A velocity between two steps works with the mean of both steps'
 /// forces.
-template <class C>
-[[nodiscard, gnu::always_inline]] inline PinLanes drag_power(const RigidKick& kick, C& columns, Column c, int i, const PinLanes& force,
+[[nodiscard, gnu::always_inline]] inline PinLanes drag_power(const RigidKick& kick, Row row, int i, const PinLanes& force,
                                                              const PinLanes& rate) noexcept {
-    const PinLanes acting = kick.implicit() ? 0.5 * (force + read(columns, c, i)) : force;
-    write(columns, c, i, force);
+    const PinLanes acting = kick.implicit() ? 0.5 * (force + read(row, i)) : force;
+    write(row, i, force);
     return acting * rate;
 }
 
@@ -129,8 +98,7 @@ template <class C>
 /// Sum over pins, without those that only fill the last vector.
 class PinSum {
 public:
-    template <class C>
-    explicit PinSum(const C& columns) noexcept : pins_(columns.pins()) {}
+    explicit PinSum(const RigidColumns& columns) noexcept : pins_(columns.pins()) {}
     [[gnu::always_inline]] void add(int first, const PinLanes& terms) noexcept { add(present(pins_, first), terms); }
     [[gnu::always_inline]] void add(const PinLanes& present, const PinLanes& terms) noexcept { total_ += present * terms; }
     [[nodiscard]] double value() const noexcept { return sum<rigid_lanes>(total_); }

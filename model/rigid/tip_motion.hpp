@@ -37,25 +37,24 @@ public:
     static constexpr int lanes = lane_count<W>, count = lanes / rigid_lanes;
     using Blocks = std::array<PinBlock, count>;
 
-    PinBlocks(RigidColumns& columns, const Blocks& blocks) noexcept : columns_(columns), view_(columns), blocks_(blocks) {}
+    PinBlocks(const RigidColumns& columns, const Blocks& blocks) noexcept : columns_(columns), blocks_(blocks) {}
 
-    [[nodiscard]] RigidColumns& columns() const noexcept { return columns_; }
-    [[nodiscard]] const RigidView& view() const noexcept { return view_; }
+    [[nodiscard]] const RigidColumns& columns() const noexcept { return columns_; }
     /// Pins of block 0 or 1.
     [[nodiscard]] const PinBlock& operator[](int block) const noexcept { return blocks_[static_cast<std::size_t>(block)]; }
-    /// Entries of a column for all pins, or for the pins `offset` after them.
-    [[nodiscard, gnu::always_inline]] D read(Column c, int offset = 0) const noexcept {
+    /// Entries of a row for all pins, or for the pins `offset` after them.
+    [[nodiscard, gnu::always_inline]] D read(const double* row, int offset = 0) const noexcept {
         if constexpr (count == 1) {
-            return model::read(view_, c, blocks_[0].first + offset);
+            return model::read(row, blocks_[0].first + offset);
         } else {
-            return {model::read(view_, c, blocks_[0].first + offset), model::read(view_, c, blocks_[1].first + offset)};
+            return {model::read(row, blocks_[0].first + offset), model::read(row, blocks_[1].first + offset)};
         }
     }
-    [[nodiscard, gnu::always_inline]] PlaneD plane(Column c, int offset = 0) const noexcept {
-        return {read(c, offset), read(c + 1, offset)};
+    [[nodiscard, gnu::always_inline]] PlaneD read(const PlaneRow& rows, int offset = 0) const noexcept {
+        return {read(rows.x, offset), read(rows.y, offset)};
     }
-    [[gnu::always_inline]] void write(Column c, const D& values) noexcept {
-        over_blocks([&](auto block) { model::write(view_, c, blocks_[static_cast<std::size_t>(block)].first, piece(values, block)); });
+    [[gnu::always_inline]] void write(Row row, const D& values) noexcept {
+        over_blocks([&](auto block) { model::write(row, blocks_[static_cast<std::size_t>(block)].first, piece(values, block)); });
     }
     /// Numbers of the pins of one block.
     [[nodiscard, gnu::always_inline]] static PinLanes piece(const D& values, int block) noexcept {
@@ -81,8 +80,7 @@ public:
     }
 
 private:
-    RigidColumns& columns_;
-    const RigidView view_;
+    const RigidColumns& columns_;
     Blocks blocks_;
 };
 
@@ -110,9 +108,7 @@ struct TipNumbers {
           per_tilt(kick.step / c.tilt_mass),
           per_bend(kick.step / c.bend_mass),
           response(1.1 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
-          further_steps(c.further_steps + (kick.implicit() ? 0 : 2)),
-          turn(kick.implicit() ? Column::line_turn_ahead : Column::line_turn),
-          offset_rate(kick.implicit() ? Column::offset_ahead_x : Column::offset_vx) {}
+          further_steps(c.further_steps + (kick.implicit() ? 0 : 2)) {}
 
     Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< copies of members of RigidCoefficients
     Lanes<W> inward;                                                                       ///< R_p cos β [m]
@@ -122,9 +118,8 @@ struct TipNumbers {
     Lanes<W> bend_lever;                                                                   ///< copy of the member of RigidCoefficients
     Lanes<W> bent_outward_per_half, bent_per_half;                                         ///< outward_per_half and per_half for bending
     Lanes<W> per_mass, per_half_mass, per_tilt, per_bend;                                  ///< velocity per force over the step [m/s/N]
-    Lanes<W> response;         ///< response of the sliding velocity to friction, with a margin for neighbours [m/s/N]
-    int further_steps;         ///< further iterations of Newton's method
-    Column turn, offset_rate;  ///< θ' of pitch lines and u_x' of halves: in a step those at its end
+    Lanes<W> response;  ///< response of the sliding velocity to friction, with a margin for neighbours [m/s/N]
+    int further_steps;  ///< further iterations of Newton's method
 };
 
 /// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Loops over tips are not unrolled: the
@@ -205,8 +200,14 @@ public:
     /// All must outlive this.
     [[gnu::always_inline]] RigidTipMotion(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
                                           const RigidKick& kick, const PinBlocks<W>& pins) noexcept
-        : c_(c), n_(numbers), kick_(kick), pins_(pins) {
-        at_ = read_motion(Column::x);
+        : c_(c),
+          n_(numbers),
+          kick_(kick),
+          pins_(pins),
+          columns_(pins.columns()),
+          turn_(kick.implicit() ? columns_.line.turn_ahead : columns_.line.turn),
+          offset_rate_(kick.implicit() ? columns_.rolling.offset_ahead : columns_.rolling.offset_rate) {
+        at_ = read_motion(columns_.position);
         second_ = select_greater<lanes>(at_.middle.x, D(c.middle), D(1.0), D(0.0));
         driven_ = convert<W>(second_);
         const PlaneD middle = at_.middle - PlaneD{in_doubles(&SheaveMotion::x, sheaves), in_doubles(&SheaveMotion::y, sheaves)};
@@ -217,7 +218,7 @@ public:
     }
 
     [[gnu::always_inline]] void read_rates(const SheaveMotion* sheaves) noexcept {
-        rate_ = read_motion(Column::vx);
+        rate_ = read_motion(columns_.velocity);
         const D spin = in_doubles(&SheaveMotion::spin_z, sheaves);
         for (std::size_t k = 0; k < 2; ++k) {
             read_half_rates(spin, half_[k], k);
@@ -232,9 +233,9 @@ public:
     [[nodiscard]] const V& driven() const noexcept { return driven_; }
 
 private:
-    [[nodiscard, gnu::always_inline]] PinMotion<W> read_motion(Column first) const noexcept {
-        return {pins_.plane(first), pins_.read(first + 2), convert<W>(pins_.plane(first + 3)), convert<W>(pins_.plane(first + 6)),
-                convert<W>(pins_.read(first + 5))};
+    [[nodiscard, gnu::always_inline]] PinMotion<W> read_motion(const CoordinateRows& of) const noexcept {
+        return {pins_.read(of.middle), pins_.read(of.z), convert<W>(pins_.read(of.end)), convert<W>(pins_.read(of.bend)),
+                convert<W>(pins_.read(of.slide))};
     }
     /// A number of the sheave at -z of each pin's shaft. @param sheaves [4]
     [[nodiscard, gnu::always_inline]] D in_doubles(double SheaveMotion::*number, const SheaveMotion* sheaves) const noexcept {
@@ -245,11 +246,11 @@ private:
     }
 
     [[gnu::always_inline]] void read_half(const PlaneD& middle, HalfMotion<W>& half, std::size_t which) noexcept {
-        const PlaneD t = pins_.plane(Column::line_x, line_of(which)), sphere = D(c_.outward) * PlaneD{t.y, -t.x};
+        const PlaneD t = pins_.read(columns_.line.direction, line_of(which)), sphere = D(c_.outward) * PlaneD{t.y, -t.x};
         half.line = convert<W>(t);
         half.outward = {half.line.y, -half.line.x};
         half.sphere = n_.outward * half.outward;
-        half.place = middle + D(share_of(which)) * pins_.plane(Column::offset_x) + sphere;
+        half.place = middle + D(share_of(which)) * pins_.read(columns_.rolling.offset) + sphere;
         half.centre = convert<W>(half.place);
         const D square = dot(half.place, half.place), distance = square * inverse_root<W>(square), excess = distance - c_.touching_radius;
         half.distance = convert<W>(distance);
@@ -257,15 +258,15 @@ private:
         half.clearance = c_.sine * excess;
         half.rise = n_.outward_per_half * dot(at_.end, half.outward) - V(share_of(which)) * at_.slide;
         half.bend_rise = n_.bent_outward_per_half * dot(at_.bend, half.outward);
-        if (c_.unequal) half.bend_rise -= convert<W>(pins_.read(Column::longer));
+        if (c_.unequal) half.bend_rise -= convert<W>(pins_.read(columns_.constants.longer));
     }
     [[gnu::always_inline]] void read_half_rates(const D& spin, HalfMotion<W>& half, std::size_t which) noexcept {
-        const D turn = pins_.read(n_.turn, line_of(which));
+        const D turn = pins_.read(turn_, line_of(which));
         half.turn = convert<W>(turn);
         half.lag = convert<W>(spin - turn);
         half.slope_along = n_.per_half * dot(at_.end, half.line);
-        const PlaneD velocity = rate_.middle + D(share_of(which)) * pins_.plane(n_.offset_rate) +
-                                (c_.outward * turn) * pins_.plane(Column::line_x, line_of(which));
+        const PlaneD velocity = rate_.middle + D(share_of(which)) * pins_.read(offset_rate_) +
+                                (c_.outward * turn) * pins_.read(columns_.line.direction, line_of(which));
         half.velocity = convert<W>(velocity);
         half.drift = convert<W>(velocity - spin * turned(half.place));
         half.bend_along = n_.bent_per_half * dot(at_.bend, half.line);
@@ -310,6 +311,9 @@ private:
     const TipNumbers<W>& n_;
     const RigidKick& kick_;
     const PinBlocks<W>& pins_;
+    const RigidRows& columns_;
+    const Row turn_;              ///< θ' of pitch lines: in a step that at its end
+    const PlaneRow offset_rate_;  ///< u' of halves, likewise
     PinMotion<W> at_, rate_;
     HalfMotion<W> half_[2];
     SideMotion<W> side_[2];

@@ -126,8 +126,8 @@ double Workspace::pin_period(double speed) const noexcept {
 std::array<double, 3> Workspace::rear_half(int pin) const noexcept {
     const model::ChainLayout& at = layout();
     if (columns_have_state_) {
-        const auto of = [&](model::Column c) { return columns_->columns[c][pin]; };
-        return {of(model::Column::x), of(model::Column::y), of(model::Column::z)};
+        const model::CoordinateRows& at_pin = columns_->columns.position;
+        return {at_pin.middle.x[pin], at_pin.middle.y[pin], at_pin.z[pin]};
     }
     const double* block = states[0] + at.link_begin(pin);
     return {block[at.x(model::End::rear, 0)], block[at.y(model::End::rear, 0)], block[at.z(model::End::rear)]};

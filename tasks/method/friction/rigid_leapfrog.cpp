@@ -33,7 +33,7 @@ void advance(Values& to, const Values& from, double share, const Rates& rates) n
 
 /// The phases are compared with all tips after the next step.
 void forget_touching(model::RigidColumns& columns, int pins) noexcept {
-    for (int tip = 0; tip < model::rigid_tips; ++tip) std::fill_n(columns[model::Column::touching + tip], pins, -1.0);
+    for (int tip = 0; tip < model::rigid_tips; ++tip) std::fill_n(columns.tip.touching[at(tip)], pins, -1.0);
 }
 
 /// Tips of a pin are those of its front half, the front of the link behind, and of its rear half, the rear of the link ahead.
@@ -48,8 +48,8 @@ void set_phase(Workspace& w, int pin, int tip, bool touches) noexcept {
 void find_touching(Workspace& w, model::RigidState& pins) noexcept {
     w.tips.have_changed = false;
     for (int tip = 0; tip < model::rigid_tips; ++tip) {
-        const double* normal = pins.columns[model::Column::tip_normal + tip];
-        double* touching = pins.columns[model::Column::touching + tip];
+        const double* normal = pins.columns.tip.normal[at(tip)];
+        double* touching = pins.columns.tip.touching[at(tip)];
         if (pins.model.kernels().contact_changes(pins.columns, tip) == 0.0) continue;
         if (!std::exchange(w.tips.have_changed, true)) w.tips.phases_before = w.tips.phases;
         for (int pin = 0; pin < pins.columns.padded(); ++pin) {
@@ -114,9 +114,10 @@ void RigidLeapfrog::kick(int) noexcept {
 
 void RigidLeapfrog::kick_pins() noexcept {
     kinetic_ = pins_.model.kernels().kick(pins_.model.coefficients(), kick_.step, pins_.columns);
-    pins_.columns.copy(model::Column::plate_friction, model::Column::plate_friction_before);
-    pins_.columns.copy(model::Column::plate_friction_moment, model::Column::plate_friction_moment_before);
-    pins_.columns.copy(model::Column::joint_friction, model::Column::joint_friction_before);
+    const model::RigidColumns& columns = pins_.columns;
+    columns.copy(columns.plate.friction, columns.plate.friction_before);
+    columns.copy(columns.plate.moment, columns.plate.moment_before);
+    columns.copy(columns.joint.friction, columns.joint.friction_before);
 }
 
 /// Friction of the velocities as they are stays in the columns, and the first step begins with it.
@@ -128,10 +129,10 @@ void RigidLeapfrog::start() {
     forget_touching(pins_.columns, w_.layout().links);
     pulleys_.place();
     pins_.model.accelerate(pulleys_.sheaves(), pins_.columns, pins_.forces);
-    for (const auto& [slip, before] : {std::pair{model::Column::plate_slip_low, model::Column::plate_slip_low_before},
-                                       std::pair{model::Column::plate_slip_high, model::Column::plate_slip_high_before},
-                                       std::pair{model::Column::joint_slip, model::Column::joint_slip_before}})
-        pins_.columns.copy(slip, before);
+    const model::RigidColumns& columns = pins_.columns;
+    columns.copy(columns.plate.slip_low, columns.plate.slip_low_before);
+    columns.copy(columns.plate.slip_high, columns.plate.slip_high_before);
+    columns.copy(columns.joint.slip, columns.joint.slip_before);
     pulleys_.start(w_.step.time);
     kick_pins();
     half_way_ = {};
@@ -205,13 +206,12 @@ void RigidLeapfrog::visit(Method& m, const Visitor& visitor) {
     };
     energies_of(m.account_);
     energies_of(m.half_way_);
-    const auto columns = [&](model::Column first, model::Column last) {
-        for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c)
-            visitor(m.pins_.columns[static_cast<model::Column>(c)], static_cast<std::size_t>(m.pins_.columns.pins()));
+    const model::RigidColumns& columns = m.pins_.columns;
+    const auto visit_rows = [&](const model::RowRange& rows) {
+        for (model::Row row = rows.first; row <= rows.last; row += columns.stride()) visitor(row, static_cast<std::size_t>(columns.pins()));
     };
-    for (const auto& [first, last] : model::kept_columns) columns(first, last);
-    if (m.pins_.model.coefficients().remembers())
-        columns(model::Column::remembered_speed, model::Column::remembered_speed + (model::rigid_tips - 1));
+    for (const model::RowRange& rows : columns.kept()) visit_rows(rows);
+    if (m.pins_.model.coefficients().remembers()) visit_rows(columns.tip.remembered());
 }
 
 void RigidLeapfrog::save(std::vector<double>& memory) const {
@@ -229,8 +229,8 @@ void RigidLeapfrog::load(std::span<const double> memory) {
         std::copy_n(memory.begin(), count, numbers);
         memory = memory.subspan(count);
     });
-    for (const auto& [first, last] : model::kept_columns) pins_.columns.wrap(first, last);
-    std::fill_n(pins_.columns[model::Column::written], pins_.columns.pins(), 1.0);
+    for (const model::RowRange& rows : pins_.columns.kept()) pins_.columns.wrap(rows);
+    pins_.columns.tip.blocks_before[-1] = -1.0;
     forget_touching(pins_.columns, w_.layout().links);
     cold_ = false;
 }

@@ -182,7 +182,7 @@ TEST(RigidModel, ProbesFindTheDepthsOfTheEvaluation) {
         TipProbe probe;
         variator.chain().probe(near.of(at, y.data(), link), sheaves, false, probe);
         for (int tip = 0; tip < tips_per_link; ++tip) {
-            const double depth = variator.chain().rigid()->last().of_tip(Column::tip_depth, link, tip);
+            const double depth = variator.chain().rigid()->last().of_tip(variator.chain().rigid()->last().columns.tip.depth, link, tip);
             EXPECT_EQ(std::max(0.0, probe.depth[tip]), std::max(0.0, depth)) << link << " " << tip;
         }
     }
@@ -201,24 +201,26 @@ RigidColumns filled_columns(const RigidModel& model, unsigned seed) {
     std::mt19937 random(seed);
     const auto between = [&](double low, double high) { return low + (high - low) * static_cast<double>(random() % 1000) / 999.0; };
     for (int pin = 0; pin < columns.pins(); ++pin) {
-        columns[Column::vz][pin] = between(-0.05, 0.05);
-        columns[Column::vslide][pin] = between(-0.05, 0.05);
-        columns[Column::force_z][pin] = between(-300.0, 300.0);
-        columns[Column::tip_force_z][pin] = between(-300.0, 300.0);
-        columns[Column::force_slide][pin] = between(-150.0, 150.0);
-        columns[Column::tip_force_slide][pin] = between(-150.0, 150.0);
-        columns[Column::joint_normal][pin] = std::max(0.0, between(-1000.0, 3000.0));
-        for (const Column slip : {Column::joint_slip, Column::joint_slip_before}) columns[slip][pin] = between(-0.03, 0.03);
-        columns[Column::tension][pin] = std::max(0.0, between(-1000.0, 3000.0));
-        for (int k = 0; k < 4; ++k) columns[Column::plate_slip_low + k][pin] = between(-0.03, 0.03);  // at both ends, now and before
-        columns[Column::lengthening][pin] = between(-0.03, 0.03);
+        columns.velocity.z[pin] = between(-0.05, 0.05);
+        columns.velocity.slide[pin] = between(-0.05, 0.05);
+        columns.force.z[pin] = between(-300.0, 300.0);
+        columns.tip.force.z[pin] = between(-300.0, 300.0);
+        columns.force.slide[pin] = between(-150.0, 150.0);
+        columns.tip.force.slide[pin] = between(-150.0, 150.0);
+        columns.joint.normal[pin] = std::max(0.0, between(-1000.0, 3000.0));
+        for (const Row slip : {columns.joint.slip, columns.joint.slip_before}) slip[pin] = between(-0.03, 0.03);
+        columns.plate.tension[pin] = std::max(0.0, between(-1000.0, 3000.0));
+        for (const Row slip :
+             {columns.plate.slip_low, columns.plate.slip_high, columns.plate.slip_low_before, columns.plate.slip_high_before})
+            slip[pin] = between(-0.03, 0.03);
+        columns.tip.lengthening[pin] = between(-0.03, 0.03);
     }
-    columns.wrap(Column::vz, Column::vslide);
-    columns.wrap(Column::force_z, Column::force_slide);
-    columns.wrap(Column::tip_force_z, Column::tip_force_slide);
-    columns.wrap(Column::tension, Column::tension);
-    columns.wrap(Column::plate_slip_low, Column::plate_slip_high_before);
-    columns.wrap(Column::lengthening, Column::lengthening);
+    columns.wrap({columns.velocity.z, columns.velocity.slide});
+    columns.wrap({columns.force.z, columns.force.slide});
+    columns.wrap({columns.tip.force.z, columns.tip.force.slide});
+    columns.wrap(columns.plate.tension);
+    columns.wrap({columns.plate.slip_low, columns.plate.slip_high_before});
+    columns.wrap(columns.tip.lengthening);
     return columns;
 }
 
@@ -234,18 +236,18 @@ double grip_of(const Parameters& p, const Friction& friction, double normal, dou
 /// Speed of the front (+1) or rear (-1) half of pin `of` behind a step: half of the pin's mass each, held by its link (of the front half
 /// that of pin `from`) and by the other half.
 double speed_behind(const RigidModel& model, const RigidColumns& columns, int of, int from, double half, double step) {
-    const double both = columns[Column::force_z][of] + columns[Column::tip_force_z][of];
-    const double apart = columns[Column::force_slide][of] + columns[Column::tip_force_slide][of];
-    const double plates = half > 0.0 ? -columns[Column::plate_friction][from] : columns[Column::plate_friction][of];
-    const double force = 0.5 * both + half * (apart - columns[Column::joint_friction][of]) + plates;
-    const double speed = columns[Column::vz][of] + 0.5 * half * columns[Column::vslide][of];
+    const double both = columns.force.z[of] + columns.tip.force.z[of];
+    const double apart = columns.force.slide[of] + columns.tip.force.slide[of];
+    const double plates = half > 0.0 ? -columns.plate.friction[from] : columns.plate.friction[of];
+    const double force = 0.5 * both + half * (apart - columns.joint.friction[of]) + plates;
+    const double speed = columns.velocity.z[of] + 0.5 * half * columns.velocity.slide[of];
     return speed + step / (0.5 * model.coefficients().mass) * force;
 }
 
 /// Sliding speeds of all pins or links, extrapolated from the last two steps.
-std::vector<double> expected_slips(const RigidColumns& columns, Column slip, Column before) {
+std::vector<double> expected_slips(const RigidColumns& columns, const double* slip, const double* before) {
     std::vector<double> speeds;
-    for (int pin = 0; pin < columns.pins(); ++pin) speeds.push_back(std::abs(2.0 * columns[slip][pin] - columns[before][pin]));
+    for (int pin = 0; pin < columns.pins(); ++pin) speeds.push_back(std::abs(2.0 * slip[pin] - before[pin]));
     return speeds;
 }
 
@@ -259,31 +261,30 @@ TEST(RigidPlates, FrictionFollowsFromTheVelocitiesThatTheWholeChainLeavesBehind)
             const Parameters p = chain_of(pins, law);
             const RigidModel model(p);
             RigidColumns columns = filled_columns(model, static_cast<unsigned>(pins));
-            const auto low = expected_slips(columns, Column::plate_slip_low, Column::plate_slip_low_before);
-            const auto high = expected_slips(columns, Column::plate_slip_high, Column::plate_slip_high_before);
-            const auto apart = expected_slips(columns, Column::joint_slip, Column::joint_slip_before);
+            const auto low = expected_slips(columns, columns.plate.slip_low, columns.plate.slip_low_before);
+            const auto high = expected_slips(columns, columns.plate.slip_high, columns.plate.slip_high_before);
+            const auto apart = expected_slips(columns, columns.joint.slip, columns.joint.slip_before);
             Account account;
             model.kernels().plate_friction(model.coefficients(), {step}, columns, account);
             model.kernels().joint_friction(model.coefficients(), {step}, columns, account);
-            const double *friction = columns[Column::plate_friction], *joint = columns[Column::joint_friction];
+            const double *friction = columns.plate.friction, *joint = columns.joint.friction;
             double largest = 0.0, held = 0.0;
             for (int pin = 0; pin < pins; ++pin) {
                 const int next = (pin + 1) % pins, before = (pin + pins - 1) % pins;
                 const auto after = [&](int of, int from, double half) { return speed_behind(model, columns, of, from, half, step); };
                 const double slides = after(next, pin, 1.0) - after(pin, before, -1.0);
                 const double parts = after(pin, before, 1.0) - after(pin, before, -1.0);
-                const double holds = grip_of(p, p.joint.friction, columns[Column::joint_normal][pin], apart[static_cast<std::size_t>(pin)]);
+                const double holds = grip_of(p, p.joint.friction, columns.joint.normal[pin], apart[static_cast<std::size_t>(pin)]);
                 EXPECT_NEAR(joint[pin], holds * parts, 1e-9) << pin;
-                EXPECT_NEAR(columns[Column::joint_slip][pin], parts, 1e-12) << pin;
-                const double parting =
-                    model.coefficients().plate_reach * (columns[Column::lengthening][next] - columns[Column::lengthening][pin]);
-                const double tension = 0.5 * columns[Column::tension][pin];
+                EXPECT_NEAR(columns.joint.slip[pin], parts, 1e-12) << pin;
+                const double parting = model.coefficients().plate_reach * (columns.tip.lengthening[next] - columns.tip.lengthening[pin]);
+                const double tension = 0.5 * columns.plate.tension[pin];
                 const double at_low = grip_of(p, p.plate.friction, tension, low[static_cast<std::size_t>(pin)]) * (slides - parting);
                 const double at_high = grip_of(p, p.plate.friction, tension, high[static_cast<std::size_t>(pin)]) * (slides + parting);
                 EXPECT_NEAR(friction[pin], at_low + at_high, 1e-9) << pin;
-                EXPECT_NEAR(columns[Column::plate_friction_moment][pin], at_high - at_low, 1e-9) << pin;
-                EXPECT_NEAR(columns[Column::plate_slip_low][pin], slides - parting, 1e-12) << pin;
-                EXPECT_NEAR(columns[Column::plate_slip_high][pin], slides + parting, 1e-12) << pin;
+                EXPECT_NEAR(columns.plate.moment[pin], at_high - at_low, 1e-9) << pin;
+                EXPECT_NEAR(columns.plate.slip_low[pin], slides - parting, 1e-12) << pin;
+                EXPECT_NEAR(columns.plate.slip_high[pin], slides + parting, 1e-12) << pin;
                 largest = std::max(largest, std::abs(friction[pin]));
                 held = std::max(held, std::abs(joint[pin]));
             }

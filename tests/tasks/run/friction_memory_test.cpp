@@ -14,7 +14,6 @@
 namespace cvtflow::tasks {
 namespace {
 
-using model::Column;
 
 Scene remembering(const std::string& name, std::vector<std::string> settings) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml", StartState::ignored);
@@ -37,12 +36,12 @@ public:
     explicit MemoryWatch(const model::Parameters& parameters) : p_(parameters) {}
     void output(double time, const Workspace& workspace, const Counters&) override {
         const model::RigidColumns& columns = workspace.rigid_pins()->columns;
+        const model::TipRows& tip = columns.tip;
         const std::size_t tips = static_cast<std::size_t>(model::rigid_tips * columns.pins());
         before_.resize(tips);
         for (std::size_t k = 0; k < tips; ++k) {
-            const auto at = [&](Column first) { return columns[first + static_cast<int>(k % 4)][k / 4]; };
-            const Tip now{std::hypot(at(Column::tip_tangential), at(Column::tip_radial)), at(Column::tip_grip), at(Column::tip_normal),
-                          at(Column::remembered_speed)};
+            const auto at = [&](const model::TipRow& rows) { return rows[k % 4][k / 4]; };
+            const Tip now{std::hypot(at(tip.tangential), at(tip.radial)), at(tip.grip), at(tip.normal), at(tip.remembered_speed)};
             if (now.normal > 0.0 && before_[k].normal > 0.0) compare(before_[k], now, time - time_);
             before_[k] = now;
         }

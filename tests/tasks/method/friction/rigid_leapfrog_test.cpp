@@ -268,7 +268,7 @@ TEST(RigidLeapfrog, PressesEveryTipThatIsInsideItsSheave) {
             inside += depth > 0.0;
             EXPECT_EQ(run.phases()[static_cast<std::size_t>(tip)] == Phase::touching, depth > 0.0)
                 << "ratio " << ratio << ", link " << link << ", tip " << of_link;
-            EXPECT_EQ(now.of_tip(Column::tip_normal, link, of_link) > 0.0, depth > 0.0) << "ratio " << ratio << ", link " << link;
+            EXPECT_EQ(now.of_tip(now.columns.tip.normal, link, of_link) > 0.0, depth > 0.0) << "ratio " << ratio << ", link " << link;
         }
         EXPECT_GT(inside, model.layout().links) << "at ratio " << ratio;
     }

@@ -1,0 +1,106 @@
+#pragma once
+/// A ring of linear equations, each of an unknown and its two neighbours:
+///
+///     (own_i - back_i - on_i) x_i - back_i x_{i-1} - on_i x_{i+1} = rhs_i,     own_i > 2 (back_i + on_i), none of them negative
+///
+/// Eight lanes eliminate their parts of the ring side by side.
+
+#include <algorithm>
+
+#include "model/basis/columns.hpp"
+#include "model/basis/lanes.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+
+/// Distribution of the equations over lanes: lane L has numbers begin(L) … begin(L + 1) - 1, in the last of its rows; rows before them are
+/// absent. A ring of fewer than 8 equations is repeated, which does not change the solution.
+struct RingShares {
+    static constexpr int lanes = 8;
+    int equations, rows;
+
+    explicit RingShares(int of_ring) noexcept
+        : equations(of_ring >= lanes ? of_ring : (lanes + of_ring - 1) / of_ring * of_ring),
+          rows(std::max(2, (equations + lanes - 1) / lanes)) {}
+
+    [[nodiscard]] int begin(int lane) const noexcept { return equations * lane / lanes; }
+    [[nodiscard]] int absent(int lane) const noexcept { return rows - (begin(lane + 1) - begin(lane)); }
+    /// Calls visit(place in the rows, number). In a ring that is repeated, numbers beyond the last one are copies.
+    template <class Visit>
+    void for_equations(const Visit& visit) const noexcept {
+        for (int lane = 0; lane < lanes; ++lane) {
+            const int skipped = absent(lane), first = begin(lane) - skipped;
+            for (int row = skipped; row < rows; ++row) visit(row * lanes + lane, first + row);
+        }
+    }
+    [[nodiscard]] Lanes<lanes> absent_rows() const noexcept {
+        Lanes<lanes> all;
+        for (int lane = 0; lane < lanes; ++lane) all.set(static_cast<std::size_t>(lane), absent(lane));
+        return all;
+    }
+};
+using RingLanes = Lanes<RingShares::lanes>;
+
+/// Lane L + by of a vector, around the ring of lanes.
+template <int by>
+[[nodiscard]] inline RingLanes neighbour(const RingLanes& lanes) noexcept {
+    return lanes_across<(by + RingShares::lanes) % RingShares::lanes, RingShares::lanes>(lanes, lanes);
+}
+
+/// x_L = free + behind x_{L-by} + ahead x_{L+by}: one unknown per lane.
+struct LaneRing {
+    RingLanes free, behind, ahead;
+
+    /// The ring of lanes at twice the distance.
+    template <int by>
+    [[nodiscard]] LaneRing halved() const noexcept {
+        const RingLanes to = neighbour<-by>(ahead), from = neighbour<by>(behind);
+        const RingLanes inverse = 1.0 / (1.0 - behind * to - ahead * from);
+        return {(free + behind * neighbour<-by>(free) + ahead * neighbour<by>(free)) * inverse, behind * neighbour<-by>(behind) * inverse,
+                ahead * neighbour<by>(ahead) * inverse};
+    }
+    [[nodiscard]] RingLanes solution() const noexcept {
+        static_assert(RingShares::lanes == 8);
+        const LaneRing opposite = halved<1>().halved<2>();  // both neighbours are the same lane
+        const RingLanes both = opposite.behind + opposite.ahead;
+        return (opposite.free + both * neighbour<4>(opposite.free)) / (1.0 - both * neighbour<4>(both));
+    }
+};
+
+/// Each lane eliminates its unknowns but the last: x_r = free + behind x_{last of the lane before} + ahead x_{r+1}; the remaining ring has
+/// one unknown per lane.
+inline void solve_ring(const RingShares& shares, const RingRows& ring) noexcept {
+    const auto read = [](const double* row, int at) { return RingLanes::load(row + at); };
+    const RingLanes absent = shares.absent_rows();
+    const int last = (shares.rows - 1) * RingShares::lanes;
+    RingLanes free(0.0), behind(1.0), ahead(0.0);
+    RingLanes first_free(0.0), first_behind(0.0), first_ahead(1.0);  // x of a lane's first row by those of both last ones
+    for (int at = 0, row = 0; at < last; at += RingShares::lanes, ++row) {
+        const RingLanes number(row), back = read(ring.back, at), on = read(ring.on, at);
+        const RingLanes own = select_greater<RingShares::lanes>(absent, number, RingLanes(1.0), read(ring.own, at));
+        const RingLanes inverse = 1.0 / ((own - back - on) - back * ahead);  // each row waits for this
+        free = (read(ring.rhs, at) + back * free) * inverse;
+        behind = select_greater<RingShares::lanes>(absent, number, behind, back * behind * inverse);
+        ahead = on * inverse;
+        first_free += first_ahead * free;
+        first_behind += select_greater<RingShares::lanes>(absent, number, RingLanes(0.0), first_ahead * behind);
+        first_ahead = select_greater<RingShares::lanes>(absent, number, first_ahead, first_ahead * ahead);
+        free.copy_to(ring.solution + at);
+        behind.copy_to(ring.lower + at);
+        ahead.copy_to(ring.upper + at);
+    }
+    const RingLanes back = read(ring.back, last), on = read(ring.on, last);
+    const RingLanes inverse = 1.0 / (read(ring.own, last) - back * (1.0 + ahead) - on * (1.0 + neighbour<1>(first_behind)));
+    const RingLanes sum = read(ring.rhs, last) + back * free + on * neighbour<1>(first_free);
+    RingLanes next = LaneRing{sum * inverse, back * behind * inverse, on * neighbour<1>(first_ahead) * inverse}.solution();
+    const RingLanes before = neighbour<-1>(next);
+    next.copy_to(ring.solution + last);
+    for (int at = last - RingShares::lanes; at >= 0; at -= RingShares::lanes) {
+        next = read(ring.solution, at) + read(ring.lower, at) * before + read(ring.upper, at) * next;
+        next.copy_to(ring.solution + at);
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::model
