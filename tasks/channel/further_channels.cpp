@@ -39,7 +39,7 @@ double misalignment(const Instant& now) { return now.observer.forces().misalignm
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
-/// Of two halves together: comparable at every level of detail.
+/// Sum over both halves of a pin, which every level of detail has.
 double largest_pin_end(const Instant& now) {
     const auto& tips = now.observation.tip_axial;
     const model::ChainLayout& at = now.workspace.layout();

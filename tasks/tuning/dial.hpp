@@ -124,11 +124,11 @@ public:
     /// Reference outputs: the finest detail with the default method at a quarter of its automatic step, or less, so that twice that
     /// step has errors of at most `agreement`. Computed on first use, or for a smaller `agreement`.
     struct Reference {
-        std::map<double, PointRun> runs;  ///< by share of the automatic step
+        std::map<double, PointRun> runs;  ///< runs by share of the automatic step
         const PointRun* run = nullptr;    ///< nullptr: none; `text` states why
         double share = 0.0;               ///< share of its automatic step
         double agreement = 0.0;           ///< difference to twice its step [1]
-        std::string text;                 ///< its origin, and its difference to one with twice its step
+        std::string text;                 ///< origin, and the difference to one with twice its step
     };
     /// @param before called before each of its runs with the share of the automatic step; may be empty
     const Reference& reference(std::size_t point, double agreement, const std::function<void(double)>& before = {});

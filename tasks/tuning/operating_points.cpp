@@ -167,25 +167,29 @@ OperatingPoints points_of(const Scene& scene, const PointTimes& times, const std
 OperatingPoints unseen_points(const Scene& scene, const PointTimes& times, const std::vector<TunedOutput>& outputs, std::size_t count,
                               std::uint64_t seed) {
     std::vector<Input> inputs;
+    std::vector<std::size_t> columns;  // each input has a number of its sample, whether it varies or not
+    const std::vector<Input> all = inputs_of(scene);
     const auto around = [](double value) { return std::pair(value * (1.0 - neighbourhood), value * (1.0 + neighbourhood)); };
     const bool ring = scene.parameters.detail.pulleys == model::PulleyDetail::absent;  // it has no inputs, but a speed
-    for (Input input : inputs_of(scene)) {
+    for (Input input : all) {
         const bool near = input.key->section() == "load" || input.key->section() == "clamping";
         if (ring || (!input.varies() && (!near || input.at_start == 0.0))) continue;
+        columns.push_back(static_cast<std::size_t>(std::ranges::find(all, input.key, &Input::key) - all.begin()));
         if (!input.varies()) std::tie(input.low, input.high) = around(input.at_start);
         inputs.push_back(input);
     }
     if (ring) {
         const double speed = scene.parameters.start.ring_speed;
         inputs.push_back({find_parameter("start.ring_speed"), around(speed).first, around(speed).second, speed});
+        columns.push_back(0);
     }
     InputPoints points(scene, times, outputs, inputs);
-    const std::vector<double> where = random_samples(count, inputs.size(), seed);
+    const std::vector<double> where = random_samples(count, all.size(), seed);
     for (std::size_t n = 0; n < count; ++n) {
         std::vector<double> values;
         std::vector<std::string> names;
         for (std::size_t i = 0; i < inputs.size(); ++i) {
-            values.push_back(inputs[i].low + where[n * inputs.size() + i] * (inputs[i].high - inputs[i].low));
+            values.push_back(inputs[i].low + where[n * all.size() + columns[i]] * (inputs[i].high - inputs[i].low));
             names.push_back(points.named(i, values.back()));
         }
         points.add(values, fmt::format("{}", fmt::join(names, ", ")));

@@ -243,7 +243,7 @@ namespace {
 /// Costs that differ by less than a tenth fall into one bin, or into neighbouring ones.
 long bin_of(double seconds) { return std::lround(std::log(seconds) / std::log(alike)); }
 
-/// What speaks against methods: those with the same reason in one line.
+/// Reasons against methods: those with the same reason in one line.
 class Objections {
 public:
     void add(const std::string& name, const std::string& reason) {

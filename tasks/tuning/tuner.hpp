@@ -59,7 +59,7 @@ struct TuneResult {
     std::vector<TunedChoice> choices;     ///< choices in the order of consideration
     std::optional<std::size_t> chosen;    ///< index of the chosen one
     std::string used_up_by;               ///< measurement that used up the budget; empty: none
-    std::string next_digit;               ///< what a tenth of the target costs
+    std::string next_digit;               ///< cost of a tenth of the target
     double wall = 0.0;                    ///< wall time of the search [s]
 
     [[nodiscard]] long tried() const noexcept;

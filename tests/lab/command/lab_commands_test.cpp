@@ -103,7 +103,7 @@ TEST_F(LabCommands, WriteAsJsonWhatTheyMeasure) {
     EXPECT_TRUE(maps["programs"][1].contains("linear"));
 }
 
-/// The same sweep over the dial as of the program, over methods that it has not and over keys of detail.
+/// Methods that the program has not, and keys of detail, are measured as choices.
 TEST_F(LabCommands, TuneMeasuresMethodsOfTheLaboratoryAndKeysOfDetail) {
     ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "0.2ms", "--set", "start.ramp_time=0.1ms"}).status, 0);
     const Outcome outcome = run({"tune", "tiny", "--set", "start.state=s.h5", "--accuracy", "50 %", "--outputs", "tight_tension",
