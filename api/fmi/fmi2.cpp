@@ -40,9 +40,16 @@ std::string path_of(std::string uri) {
     return drive ? path.substr(1) : path;
 }
 
+/// Text as the format of a logger that takes further arguments: importers that do not expand it print it as it is.
+std::string format_of(std::string text) {
+    for (std::size_t at = text.find('%'); at != std::string::npos; at = text.find('%', at + 2)) text.insert(at, 1, '%');
+    return text;
+}
+
 void log_with(Component& component, const Callbacks& callbacks) {
     component.log = [=, name = component.name](int status, const char* category, const char* message) {
-        if (callbacks.logger != nullptr) callbacks.logger(callbacks.environment, name.c_str(), status, category, "%s", message);
+        if (callbacks.logger != nullptr)
+            callbacks.logger(callbacks.environment, name.c_str(), status, category, format_of(message).c_str());
     };
 }
 
@@ -62,7 +69,7 @@ CVTFLOW_FMI void* fmi2Instantiate(const char* name, int type, const char*, const
         log_with(*component, calls);
         return component.release();
     } catch (const std::exception& error) {
-        if (calls.logger != nullptr) calls.logger(calls.environment, name, fmi_error, "logStatusError", "%s", error.what());
+        if (calls.logger != nullptr) calls.logger(calls.environment, name, fmi_error, "logStatusError", format_of(error.what()).c_str());
         return nullptr;
     }
 }

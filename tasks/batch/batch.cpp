@@ -40,8 +40,8 @@ public:
 
     /// @param row  of the case   @param again the case once more, with all scalars
     void add(const engine::RowLayout& layout, std::span<const std::byte> row, const CaseResult& again);
-    /// "2 cases, at most: slip mean 1.2e-04 (0.8 %), ratio final 3e-07 (3e-05 %)", percentages of the value then, or of the stated error;
-    /// empty without cases
+    /// "2 cases, at most: slip mean 1.2e-04 (0.8 %), ratio final 3e-07 (3e-05 %)", of the value then, or "(0.8 times its stated error)",
+    /// with advice where that is exceeded; empty without cases
     [[nodiscard]] std::string text() const;
 
 private:
@@ -68,11 +68,18 @@ void RepeatedCases::add(const engine::RowLayout& layout, std::span<const std::by
 
 std::string RepeatedCases::text() const {
     std::vector<std::string> parts;
+    bool exceeded = false;
     for (std::size_t i = 0; i < largest_.size(); ++i) {
-        const std::string share = size_[i] > 0.0 ? fmt::format(" ({:.2g} %)", 100.0 * largest_[i] / size_[i]) : "";
+        const double quotient = size_[i] > 0.0 ? largest_[i] / size_[i] : 0.0;
+        exceeded = exceeded || (stated_ && quotient > 1.0);
+        const std::string share = !(size_[i] > 0.0) ? ""
+                                  : stated_         ? fmt::format(" ({:.2g} times its stated error)", quotient)
+                                                    : fmt::format(" ({:.2g} %)", 100.0 * quotient);
         parts.push_back(fmt::format("{} {:.2g}{}", sweep_.scalars[i].text, largest_[i], share));
     }
-    return cases_ == 0 ? "" : fmt::format("{} {}, at most: {}", cases_, cases_ == 1 ? "case" : "cases", fmt::join(parts, ", "));
+    if (cases_ == 0) return "";
+    return fmt::format("{} {}, at most: {}{}", cases_, cases_ == 1 ? "case" : "cases", fmt::join(parts, ", "),
+                       exceeded ? "; errors are larger than stated: a smaller run.steady" : "");
 }
 
 /// Cases whose rows stay: no longer to be run. @return those of them that ended well, ascending

@@ -393,6 +393,18 @@ TEST_F(Messages, OfACheckWarnOfALoadBeyondTheTorqueLimit) {
     EXPECT_THAT(run({"check", "free_ring"}).out, Not(HasSubstr("torque limit"))) << "it has no pulleys";
 }
 
+TEST_F(Messages, OfACheckSizePressuresAndControl) {
+    const Outcome json = run({"check", "vl300", "--json"}), torque = run({"check", "vl300", "--for-torque", "300 Nm", "--safety", "1.3"});
+    EXPECT_THAT(json.out, AllOf(HasSubstr("\"decided_by\": \"clamping.safety\""), HasSubstr("\"driven_pressure\": \"Pa\"")));
+    EXPECT_THAT(torque.out, AllOf(HasSubstr("ratio 3.12"), HasSubstr("bar on shaft 2 are above hydraulics.relief_pressure, 60 bar"),
+                                  Not(HasSubstr("evaluations"))));
+    EXPECT_THAT(run({"check", "control", "--set", "control.ratio=[[0, 1], [\"0.5 s\", 1.6]]", "--until", "0.5 s"}).out,
+                ContainsRegex("control has to add -.* kN to clamping.driving, its authority is 10 kN: change one of both"));
+    EXPECT_THAT(run({"check", "tiny", "--for-torque", "3 kN"}).err, HasSubstr("--for-torque 3 kN: expected a torque"));
+    EXPECT_THAT(run({"check", "tiny", "--safety", "2"}).err, HasSubstr("--for-torque"));
+    EXPECT_THAT(run({"check", "manoeuvre"}).out, HasSubstr("not sized           a controller of slip makes S_2 in the run"));
+}
+
 TEST_F(Messages, OfHelpAreBrief) {
     EXPECT_THAT(run({"--help"}).out, HasSubstr("  7    target accuracy missed"));
     for (const char* command : {"run", "batch", "merge", "resume", "tune"})

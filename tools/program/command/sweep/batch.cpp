@@ -83,7 +83,7 @@ void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, cons
                                                   p.before > 0 ? fmt::format("; {} before", p.before) : ""));
     text += tally_text(report.tally) + field("results hash", report.results_hash) + field("table", report.folder + "/cases.h5");
     if (!report.continuation_error.empty()) text += field("continuation error", report.continuation_error);
-    if (!report.steady_check.empty()) text += field("three times as long", report.steady_check + "; percentages of the stated errors");
+    if (!report.steady_check.empty()) text += field("three times as long", report.steady_check);
     fmt::print("{}", text);
 }
 
