@@ -196,6 +196,13 @@ class OfAScene(unittest.TestCase):
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(message, done.stderr)
 
+    def test_keeps_files_of_others(self):
+        os.makedirs("others", exist_ok=True)
+        Path("others/map.csv").write_text("mine")
+        done = cvtflow("reduce", "baseline", "-o", "others")
+        self.assertEqual((done.returncode, Path("others/map.csv").read_text()), (1, "mine"), done.stderr)
+        self.assertIn("contains files of others", done.stderr)
+
     def test_finds_clamping_forces_that_lose_less_than_a_safety_factor(self):
         Path("clamp.toml").write_text('ratio = [0.8, 1.25]\nload = [0, 0.45, 0.75]\nclamping = ["15 kN", "25 kN"]\n'
                                       'speed = ["2000 rpm", "2100 rpm"]\n')
@@ -224,7 +231,7 @@ class Published(unittest.TestCase):
         """Efficiency and slip by safety factor of shaft 2."""
         scene = {**self.scene, **settings}
         bench = _reduce.Bench({"folder": os.path.abspath("published"), "program": CVTFLOW, "text": self.text, "scene": scene, "threads": 0,
-                               "detail": "rigid"})
+                               "detail": "rigid", "place": "published"})
         machine = _reduce.Machine(scene)
         points = [(1.0, 1.0 / safety, safety * torque / machine.limit(1.0, 1.0), 2000 * math.pi / 30) for safety in safeties]
         found = _reduce.steady(bench, machine, name, points, np.full(len(points), 1.3), step=bench.shorter_step(), settings=settings)
