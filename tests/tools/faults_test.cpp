@@ -46,6 +46,8 @@ const std::map<std::string, std::string> left_out{
     {"run-cost", "runs a scene by turns as run does, in a folder that it removes"},
     {"work", "counts every instruction of a step: a second and more; writes tables as profile does"},
     {"draw", "reads the JSON that other commands write, and writes a picture as plot does"},
+    {"reduce", "a minute of processor time; it runs batch and run, and Python writes, which the faults do not reach"},
+    {"clamp", "likewise"},
     {"tune", "10 s of processor time, measured in rounds; writes tables as compare does, and a scene as settle does a state"}};
 
 const std::vector<Order>& orders() {

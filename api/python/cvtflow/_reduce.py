@@ -117,12 +117,16 @@ class Bench:
         self.scene, self._threads = request["scene"], ["--threads", str(request["threads"])] * (request["threads"] > 0)
         self.level = request["detail"]
         self.runs = os.path.join(self.folder, "runs")
+        if os.path.isdir(self.folder) and os.listdir(self.folder) and not os.path.isfile(os.path.join(self.runs, "scene.toml")):
+            raise FileExistsError(f"{request['place']}: contains files of others; name another folder")
         os.makedirs(self.runs, exist_ok=True)
         self.write("runs/scene.toml", request["text"])
 
     def write(self, name, content):
         """Writes a file of the folder, if its content changes."""
         path, content = os.path.join(self.folder, name), content if isinstance(content, bytes) else content.encode()
+        if os.path.islink(path):
+            raise FileExistsError(f"{path}: a link is not replaced")
         if os.path.exists(path):
             with open(path, "rb") as file:
                 if file.read() == content:

@@ -32,7 +32,8 @@ class Errors:
         self.rows, self.notes = [], []
 
     def add(self, against, name, unit, differences):
-        size = np.abs(differences[np.isfinite(differences)])
+        size = differences[np.isfinite(differences)]
+        size = np.abs(size) if len(size) > 1 else size
         if len(size):
             self.rows.append((against, name, unit, len(size), np.median(size), np.quantile(size, 0.9), size.max()))
 
