@@ -141,22 +141,16 @@ requires(W <= native_lanes) [[nodiscard]] inline Lanes<W> slide(const Lanes<W>& 
     }
 }
 
-/// Lanes from, from + 1, … of two vectors behind each other, 0 < from < W.
+/// Lanes from, from + 1, … of two vectors behind each other, 0 ≤ from < W.
 template <int from, int W>
 [[nodiscard, gnu::always_inline]] inline Lanes<W> lanes_across(const Lanes<W>& first, const Lanes<W>& second) noexcept {
-    if constexpr (native_lanes == W) {
+    constexpr int half = W / 2, within = from % half;
+    if constexpr (W == native_lanes) {
         return slide<W, from>(first, second);
-    } else if constexpr (2 * native_lanes == W) {
-        constexpr int within = from % native_lanes;
-        if constexpr (from < native_lanes)
-            return {slide<native_lanes, within>(first.low, first.high), slide<native_lanes, within>(first.high, second.low)};
-        else
-            return {slide<native_lanes, within>(first.high, second.low), slide<native_lanes, within>(second.low, second.high)};
+    } else if constexpr (from < half) {
+        return {lanes_across<within, half>(first.low, first.high), lanes_across<within, half>(first.high, second.low)};
     } else {
-        alignas(64) double both[2 * W];
-        first.copy_to(both);
-        second.copy_to(both + W);
-        return load<W>(both + from);
+        return {lanes_across<within, half>(first.high, second.low), lanes_across<within, half>(second.low, second.high)};
     }
 }
 

@@ -25,19 +25,30 @@ struct RingShares {
           rows(std::max(2, (equations + lanes - 1) / lanes)) {}
 
     [[nodiscard]] int begin(int lane) const noexcept { return equations * lane / lanes; }
-    [[nodiscard]] int absent(int lane) const noexcept { return rows - (begin(lane + 1) - begin(lane)); }
-    /// Calls visit(place in the rows, number). In a ring that is repeated, numbers beyond the last one are copies.
-    template <class Visit>
-    void for_equations(const Visit& visit) const noexcept {
-        for (int lane = 0; lane < lanes; ++lane) {
-            const int skipped = absent(lane), first = begin(lane) - skipped;
-            for (int row = skipped; row < rows; ++row) visit(row * lanes + lane, first + row);
+    /// Number in row 0 of a lane, where that row is absent that of the lane before.
+    [[nodiscard]] int first(int lane) const noexcept { return begin(lane + 1) - rows; }
+    /// 1 for lanes whose row 0 is absent. No lane lacks more.
+    [[nodiscard]] Lanes<lanes> absent() const noexcept {
+        Lanes<lanes> all;
+        for (int lane = 0; lane < lanes; ++lane) all.set(static_cast<std::size_t>(lane), first(lane) < begin(lane) ? 1.0 : 0.0);
+        return all;
+    }
+    /// Copies numbers into rows, in squares of the processor's vectors. In a ring that is repeated, numbers beyond the last one are copies.
+    void to_rows(const double* numbers, double* to) const noexcept {
+        Lanes<native_lanes> square[native_lanes];
+        for (int lane = 0; lane < lanes; lane += native_lanes) {
+            for (int row = 0; row < rows; row += native_lanes) {
+                for (int k = 0; k < native_lanes; ++k) square[k] = load<native_lanes>(numbers + first(lane + k) + row);
+                transpose<native_lanes>(square);
+                for (int k = 0; k < std::min(native_lanes, rows - row); ++k) square[k].copy_to(to + (row + k) * lanes + lane);
+            }
         }
     }
-    [[nodiscard]] Lanes<lanes> absent_rows() const noexcept {
-        Lanes<lanes> all;
-        for (int lane = 0; lane < lanes; ++lane) all.set(static_cast<std::size_t>(lane), absent(lane));
-        return all;
+    void from_rows(const double* from, double* numbers) const noexcept {
+        for (int lane = 0; lane < lanes; ++lane) {
+            for (int number = begin(lane); number < begin(lane + 1); ++number)
+                numbers[number] = from[(number - first(lane)) * lanes + lane];
+        }
     }
 };
 using RingLanes = Lanes<RingShares::lanes>;
@@ -61,7 +72,6 @@ struct LaneRing {
                 ahead * neighbour<by>(ahead) * inverse};
     }
     [[nodiscard]] RingLanes solution() const noexcept {
-        static_assert(RingShares::lanes == 8);
         const LaneRing opposite = halved<1>().halved<2>();  // both neighbours are the same lane
         const RingLanes both = opposite.behind + opposite.ahead;
         return (opposite.free + both * neighbour<4>(opposite.free)) / (1.0 - both * neighbour<4>(both));
@@ -69,26 +79,38 @@ struct LaneRing {
 };
 
 /// Each lane eliminates its unknowns but the last: x_r = free + behind x_{last of the lane before} + ahead x_{r+1}; the remaining ring has
-/// one unknown per lane.
+/// one unknown per lane. In an absent row, x is that of the last row of the lane before.
 inline void solve_ring(const RingShares& shares, const RingRows& ring) noexcept {
     const auto read = [](const double* row, int at) { return RingLanes::load(row + at); };
-    const RingLanes absent = shares.absent_rows();
+    const RingLanes none(0.0), one(1.0), absent = shares.absent();
+    const auto present = [&](const double* row) { return select_greater<RingShares::lanes>(absent, none, none, read(row, 0)); };
     const int last = (shares.rows - 1) * RingShares::lanes;
-    RingLanes free(0.0), behind(1.0), ahead(0.0);
-    RingLanes first_free(0.0), first_behind(0.0), first_ahead(1.0);  // x of a lane's first row by those of both last ones
-    for (int at = 0, row = 0; at < last; at += RingShares::lanes, ++row) {
-        const RingLanes number(row), back = read(ring.back, at), on = read(ring.on, at);
-        const RingLanes own = select_greater<RingShares::lanes>(absent, number, RingLanes(1.0), read(ring.own, at));
-        const RingLanes inverse = 1.0 / ((own - back - on) - back * ahead);  // each row waits for this
-        free = (read(ring.rhs, at) + back * free) * inverse;
-        behind = select_greater<RingShares::lanes>(absent, number, behind, back * behind * inverse);
-        ahead = on * inverse;
-        first_free += first_ahead * free;
-        first_behind += select_greater<RingShares::lanes>(absent, number, RingLanes(0.0), first_ahead * behind);
-        first_ahead = select_greater<RingShares::lanes>(absent, number, first_ahead, first_ahead * ahead);
+    RingLanes free, behind, ahead;
+    const auto store = [&](int at) {
         free.copy_to(ring.solution + at);
         behind.copy_to(ring.lower + at);
         ahead.copy_to(ring.upper + at);
+    };
+    {
+        const RingLanes back = present(ring.back), on = present(ring.on), inverse = 1.0 / (read(ring.own, 0) - back - on);
+        free = present(ring.rhs) * inverse;
+        behind = select_greater<RingShares::lanes>(absent, none, one, back * inverse);
+        ahead = on * inverse;
+        store(0);
+    }
+    RingLanes first_free = free, first_behind = select_greater<RingShares::lanes>(absent, none, none, behind),
+              first_ahead =
+                  select_greater<RingShares::lanes>(absent, none, one, ahead);  // x of a lane's first row by those of both last ones
+    for (int at = RingShares::lanes; at < last; at += RingShares::lanes) {
+        const RingLanes back = read(ring.back, at), on = read(ring.on, at);
+        const RingLanes inverse = 1.0 / ((read(ring.own, at) - back - on) - back * ahead);  // each row waits for this
+        free = (read(ring.rhs, at) + back * free) * inverse;
+        behind = back * behind * inverse;
+        ahead = on * inverse;
+        first_free += first_ahead * free;
+        first_behind += first_ahead * behind;
+        first_ahead = first_ahead * ahead;
+        store(at);
     }
     const RingLanes back = read(ring.back, last), on = read(ring.on, last);
     const RingLanes inverse = 1.0 / (read(ring.own, last) - back * (1.0 + ahead) - on * (1.0 + neighbour<1>(first_behind)));

@@ -169,9 +169,8 @@ void Observer::observe_rigid(const RigidInstant& now) noexcept {
             o.tip_axial[index_of(tips_per_link * link + tip)] = now.of_tip(columns.tip.sheave_axial, link, tip);
     }
     if (variator_.chain().coefficients().guide.present) {
-        const auto [x, y, vx, vy] =
-            std::tuple(columns.position.middle.x, columns.position.middle.y, columns.velocity.middle.x, columns.velocity.middle.y);
-        for (int pin = 0; pin < columns.pins(); ++pin) observe_guide(1.0, x[pin], y[pin], vx[pin], vy[pin]);
+        const PlaneRow &at = columns.position.middle, &v = columns.velocity.middle;
+        for (int pin = 0; pin < columns.pins(); ++pin) observe_guide(1.0, at.x[pin], at.y[pin], v.x[pin], v.y[pin]);
     }
     const RigidSums sums = now.sums();
     const auto mean = [](double sum, double count) { return count > 0.0 ? sum / count : 0.0; };

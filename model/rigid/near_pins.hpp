@@ -10,13 +10,6 @@
 namespace cvtflow::model {
 namespace {
 
-/// Largest normal force of each pin's tips in the last step [N].
-[[nodiscard]] inline PinLanes last_pressing(const RigidColumns& columns, int first) noexcept {
-    PinLanes most = read(columns.tip.normal[0], first);
-    for (std::size_t tip = 1; tip < rigid_tips; ++tip) most = larger<rigid_lanes>(most, read(columns.tip.normal[tip], first));
-    return most;
-}
-
 /// Bounds of a pulley that decide which pins may touch.
 struct PulleyBounds {
     double x, y;       ///< axis of the sheave at -z [m]
@@ -82,7 +75,9 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
     const PulleyBounds pulleys[] = {{c, sheaves[0], sheaves[1]}, {c, sheaves[2], sheaves[3]}};
     const PinLanes one(1.0), none(0.0);
     const auto pressed = [&](int i) {
-        return kick.implicit() ? select_greater<rigid_lanes>(last_pressing(columns, i), none, one, none) : none;
+        PinLanes most = none;
+        for (const Row normal : columns.tip.normal) most = larger<rigid_lanes>(most, read(normal, i));
+        return kick.implicit() ? select_greater<rigid_lanes>(most, none, one, none) : none;
     };
     for (int i = 0; i < columns.padded(); i += 2 * rigid_lanes) {
         const int next = std::min(i + rigid_lanes, columns.padded() - rigid_lanes);
@@ -175,7 +170,7 @@ template <class Press>
     }
     for (int i = 0; begin < 0 && i < pins; i += rigid_lanes) {
         blocks[count++] = i;
-        press(aligned_block(columns, i));
+        press(PinBlock{i, std::min(rigid_lanes, pins - i)});
     }
     blocks[-1] = count;
     return beyond;

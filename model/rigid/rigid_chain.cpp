@@ -155,10 +155,8 @@ void RigidModel::plate_friction(const SheaveMotion* sheaves, const RigidKick& ki
 void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     f.reaction = {};
     if (sheaves == nullptr) return;
-    if (kick.implicit())
-        kernels_.tips(coefficients_, sheaves, kick, columns, f.reaction, f.account);
-    else
-        kernels_.tips_now(coefficients_, sheaves, columns, f.reaction, f.account);
+    const auto press = kick.implicit() ? kernels_.tips : kernels_.tips_now;
+    press(coefficients_, sheaves, kick, columns, f.reaction, f.account);
     columns.wrap(columns.tip.moments());
     columns.wrap({columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
 }

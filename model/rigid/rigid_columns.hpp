@@ -26,6 +26,8 @@ using TipRow = std::array<Row, rigid_tips>;
 
 /// Rows that follow each other in memory.
 struct RowRange {
+    RowRange(Row only) noexcept : first(only), last(only) {}
+    RowRange(Row from, Row to) noexcept : first(from), last(to) {}
     Row first, last;
 };
 
@@ -36,7 +38,6 @@ struct CoordinateRows {
     PlaneRow end;     ///< p = D_x, q = D_y: end at +z against the middle
     Row slide;        ///< ζ: z of the front half less z of the rear half
     PlaneRow bend;    ///< both ends by bending
-
     [[nodiscard]] std::array<Row, rigid_coordinates> all() const noexcept {
         return {middle.x, middle.y, z, end.x, end.y, slide, bend.x, bend.y};
     }
@@ -54,8 +55,6 @@ struct LinkConstantRows {
     Row torsion_stiffness;  ///< k_χ [N/m]
     Row torsion_damping;    ///< d_χ [N·s/m]
     Row longer;             ///< λ: excess of half the pin's length over ℓ_p/2 [m]
-
-    [[nodiscard]] RowRange rows() const noexcept { return {free_length, longer}; }
 };
 
 /// Pitch line of a link.
@@ -64,7 +63,6 @@ struct PitchLineRows {
     Row inverse;         ///< 1/ℓ [1/m]
     Row turn;            ///< θ': turning rate [rad/s]
     Row turn_ahead;      ///< θ' at the end of the step, extrapolated from this step and the last one [rad/s]
-
     [[nodiscard]] RowRange rows() const noexcept { return {direction.x, turn_ahead}; }
 };
 
@@ -76,7 +74,6 @@ struct RollingRows {
     PlaneRow offset;        ///< u: front half against rear half [m]
     PlaneRow offset_rate;   ///< u' [m/s]
     PlaneRow offset_ahead;  ///< u' at the end of the step, by turn_ahead [m/s]
-
     [[nodiscard]] RowRange rows() const noexcept { return {bisector.x, offset_ahead.y}; }
 };
 
@@ -87,7 +84,6 @@ struct LinkForceRows {
     PlaneRow twist;  ///< yaw and torsion, generalised force on p, q [N]
     PlaneRow shear;  ///< shear, generalised force on p, q [N]
     PlaneRow bow;    ///< opposite of the generalised force on bending [N]
-
     [[nodiscard]] RowRange rows() const noexcept { return {pull.x, bow.y}; }
 };
 
@@ -102,7 +98,6 @@ struct DampingRows {
     Row bend_across;     ///< force against the rate of a pin's bending across the travel [N]
     Row guide;           ///< force of a guide against a pin's approach [N]
     Row guide_friction;  ///< force of a guide against a pin's speed along the strand [N]
-
     [[nodiscard]] RowRange rows() const noexcept { return {stretch, guide_friction}; }
 };
 
@@ -167,14 +162,13 @@ struct TipRows {
     TipRow radius;            ///< distance from the axis [m]
     TipRow touching;          ///< 1 where the tip was last found to press, else 0
     TipRow remembered_speed;  ///< w: sliding speed that the friction of a tip follows by a law with memory [m/s]
-
     [[nodiscard]] RowRange responses() const noexcept { return {stiffness[0], damping[1]}; }
     [[nodiscard]] RowRange moments() const noexcept { return {offset_moment.x, moment_of_half[1]}; }
     [[nodiscard]] RowRange forces() const noexcept { return {normal[0], radial[3]}; }
     [[nodiscard]] RowRange remembered() const noexcept { return {remembered_speed[0], remembered_speed[3]}; }
     /// What a pin that is no longer near loses, in two parts.
     [[nodiscard]] std::array<RowRange, 2> written_rows() const noexcept {
-        return {{{stiffness[0], moment_of_half[1]}, {force.middle.x, radius[3]}}};
+        return {RowRange{stiffness[0], moment_of_half[1]}, RowRange{force.middle.x, radius[3]}};
     }
 };
 
@@ -227,7 +221,6 @@ public:
             }
         }
     }
-    [[gnu::always_inline]] void wrap(Row row) const noexcept { wrap(RowRange{row, row}); }
 
     /// Copies behind the last pin become the numbers of the first pins. @param count [≤ lanes, ≤ pins]
     [[gnu::always_inline]] void unwrap(const RowRange& rows, int count) const noexcept {
@@ -243,28 +236,29 @@ public:
         }
     }
 
-    /// All entries of one row to another.
-    void copy(Row from, Row to) const noexcept { std::copy_n(from - rigid_lanes, stride_, to - rigid_lanes); }
+    /// All entries of rows to others.
+    void copy(const RowRange& from, Row to) const noexcept {
+        std::copy_n(from.first - rigid_lanes, from.last - from.first + stride_, to - rigid_lanes);
+    }
 
     [[nodiscard]] int stride() const noexcept { return stride_; }
     [[nodiscard]] std::size_t bytes() const noexcept { return memory_.size() * sizeof(double); }
 
     /// Rows that the pins keep from step to step.
-    [[nodiscard]] std::array<RowRange, 14> kept() const noexcept {
-        return {{position.rows(),
-                 velocity.rows(),
-                 damping.rows(),
-                 {line.turn, line.turn},
-                 {joint.rolling_moment, joint.rolling_moment},
-                 acceleration.rows(),
-                 {plate.friction, plate.slip_high_before},
-                 {joint.friction, joint.slip_before},
-                 tip.responses(),
-                 {tip.moment, tip.moment},
-                 {tip.force.z, tip.force.z},
-                 {tip.force.slide, tip.force.slide},
-                 {tip.lengthening, tip.lengthening},
-                 tip.forces()}};
+    [[nodiscard]] std::array<RowRange, 13> kept() const noexcept {
+        return {RowRange{position.middle.x, velocity.bend.y},
+                damping.rows(),
+                line.turn,
+                joint.rolling_moment,
+                acceleration.rows(),
+                RowRange{plate.friction, plate.slip_high_before},
+                RowRange{joint.friction, joint.slip_before},
+                tip.responses(),
+                tip.moment,
+                tip.force.z,
+                tip.force.slide,
+                tip.lengthening,
+                tip.forces()};
     }
 
 private:

@@ -56,11 +56,11 @@ struct RigidKernels {
     /// Friction of plates along the pins, which lengthen at the same time: in a step, at the rate of the last one.
     void (*plate_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Normal forces of the tips, and the friction that a step leaves. @param sheaves [4]
-    void (*tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                 RigidReaction& reaction, Account& account) noexcept;
+    using Tips = void (*)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                          RigidReaction& reaction, Account& account) noexcept;
+    Tips tips;
     /// The same of velocities as they are, after axial_rates(). @param sheaves [4]
-    void (*tips_now)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, RigidReaction& reaction,
-                     Account& account) noexcept;
+    Tips tips_now;
     /// Friction of the halves of a pin on each other, after the tips.
     void (*joint_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Moments of the tips on the pitch lines.

@@ -19,14 +19,12 @@ inline void solve_friction(RigidColumns& columns) noexcept {
     columns.wrap({columns.plate.rhs, columns.plate.on});
     const RingRows& ring = columns.ring;
     const PlateRows& plate = columns.plate;
-    shares.for_equations([&](int place, int link) {
-        ring.rhs[place] = plate.rhs[link];
-        ring.own[place] = plate.own[link];
-        ring.back[place] = plate.back[link];
-        ring.on[place] = plate.on[link];
-    });
+    shares.to_rows(plate.rhs, ring.rhs);
+    shares.to_rows(plate.own, ring.own);
+    shares.to_rows(plate.back, ring.back);
+    shares.to_rows(plate.on, ring.on);
     solve_ring(shares, ring);
-    shares.for_equations([&](int place, int link) { plate.friction[link] = ring.solution[place]; });
+    shares.from_rows(ring.solution, plate.friction);
     columns.wrap(plate.friction);
 }
 
@@ -107,11 +105,6 @@ inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
     account.lose(Loss::joint_friction, lost.value());
 }
 
-/// Force on ζ by the friction of plates and of the other half.
-[[nodiscard, gnu::always_inline]] inline PinLanes friction_on_slide(const RigidColumns& columns, int i) noexcept {
-    return -(0.5 * (read(columns.plate.friction, i - 1) + read(columns.plate.friction, i)) + read(columns.joint.friction, i));
-}
-
 /// Change of the sliding speed of link i by the friction of the links, over the step per mass.
 [[nodiscard, gnu::always_inline]] inline PinLanes slowing(const RigidColumns& columns, int i) noexcept {
     const PinLanes friction = read(columns.plate.friction, i), behind = read(columns.joint.coupling, i),
@@ -182,13 +175,13 @@ inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& columns) n
         const Plane ahead = moment_thrust(columns, i), behind = i == 0 ? moment_thrust(columns, -1) : shifted_by_one_pin(last, ahead);
         last = ahead;
         const Plane force = read(columns.force.middle, i) + read(columns.tip.force.middle, i) + behind - ahead;
-        const PinLanes rubbing = read(columns.plate.friction, i) - read(columns.plate.friction, i - 1);
+        const PinLanes front = read(columns.plate.friction, i - 1), rear = read(columns.plate.friction, i), rubbing = rear - front;
+        const PinLanes parting = -(0.5 * (front + rear) + read(columns.joint.friction, i));
         write(columns.acceleration.middle, i, per_mass * force);
         write(columns.acceleration.z, i, per_mass * (read(columns.force.z, i) + read(columns.tip.force.z, i) + rubbing));
         write(columns.acceleration.end, i, per_tilt * (read(columns.force.end, i) + read(columns.tip.force.end, i)));
         write(columns.acceleration.bend, i, per_bend * (read(columns.force.bend, i) + read(columns.tip.force.bend, i)));
-        write(columns.acceleration.slide, i,
-              per_slide * (read(columns.force.slide, i) + read(columns.tip.force.slide, i) + friction_on_slide(columns, i)));
+        write(columns.acceleration.slide, i, per_slide * (read(columns.force.slide, i) + read(columns.tip.force.slide, i) + parting));
     }
 }
 

@@ -226,8 +226,6 @@ struct AxialResponse {
         loading += n.shortening * (rate * tip.normal_z);
         damping += n.elastic * (tip.in * tip.in);
     }
-    /// Rate of change if the half stood still along z. @param speed velocity of the half along z [m/s]
-    [[nodiscard, gnu::always_inline]] Lanes<W> loading_at_rest(const Lanes<W>& speed) const noexcept { return loading + stiffness * speed; }
 };
 
 }  // namespace

@@ -33,13 +33,7 @@ class TipGroup {
 public:
     [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
                                     const RigidKick& kick, RigidColumns& columns, const typename PinBlocks<W>::Blocks& blocks) noexcept
-        : c_(c),
-          n_(numbers),
-          kick_(kick),
-          pins_(columns, blocks),
-          columns_(columns),
-          tip_(columns.tip),
-          motion_(c, numbers, sheaves, kick, pins_) {}
+        : c_(c), n_(numbers), kick_(kick), pins_(columns, blocks), tip_(columns.tip), motion_(c, numbers, sheaves, kick, pins_) {}
 
     [[gnu::always_inline]] void place() noexcept {
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) place_tip<W>(c_, n_, motion_.half(tip), motion_.side(tip), tips_[tip]);
@@ -85,9 +79,9 @@ public:
         pins_.write(tip_.lengthening, widened<W>(V(-0.25) * shortened));
         store(response);
         const auto pull = [&](Row spread) { return V(0.25 * c_.plate_reach) * convert<W>(pins_.read(spread) - pins_.read(spread, -1)); };
-        pull_ = pull(columns_.plate.moment);
+        pull_ = pull(pins_.columns().plate.moment);
         const V here = pins_.present();
-        account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(columns_.plate.moment_before)) : pull_) * shortened);
+        account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(pins_.columns().plate.moment_before)) : pull_) * shortened);
         account.energy += here * stored;
         account.damping += here * damped;
     }
@@ -100,14 +94,15 @@ public:
             const RigidTipForce<W> force = rigid_tip_force<W>(motion_.side(tip).side, tips_[tip], normal_[tip], pull_, memory(tip));
             total.add(n_, motion_.side(tip).side, motion_.half(tip), half_of_tip(tip), force);
         }
-        velocity_change_ = n_.per_mass * (convert<W>(pins_.read(columns_.force.middle)) + total.half[0] + total.half[1]);
-        end_velocity_change_ = n_.per_tilt * (convert<W>(pins_.read(columns_.force.end)) + total.end);
-        bend_velocity_change_ = n_.per_bend * (convert<W>(pins_.read(columns_.force.bend)) + total.bend);
-        const D front = pins_.read(columns_.plate.friction, -1), rear = pins_.read(columns_.plate.friction),
-                tips = pins_.read(columns_.joint.tip_force_slide_expected);
-        const D free = pins_.read(columns_.force.slide) + tips - D(0.5) * (rear + front) - pins_.read(columns_.joint.friction);
-        free_share_ = convert<W>(D(1.0) - pins_.read(columns_.joint.coupling));
-        const V mean = n_.per_mass * (convert<W>(pins_.read(columns_.force.z) + (rear - front)) + (total.z[0] + total.z[1]));
+        velocity_change_ = n_.per_mass * (convert<W>(pins_.read(pins_.columns().force.middle)) + total.half[0] + total.half[1]);
+        end_velocity_change_ = n_.per_tilt * (convert<W>(pins_.read(pins_.columns().force.end)) + total.end);
+        bend_velocity_change_ = n_.per_bend * (convert<W>(pins_.read(pins_.columns().force.bend)) + total.bend);
+        const D front = pins_.read(pins_.columns().plate.friction, -1), rear = pins_.read(pins_.columns().plate.friction),
+                tips = pins_.read(pins_.columns().joint.tip_force_slide_expected);
+        const D free =
+            pins_.read(pins_.columns().force.slide) + tips - D(0.5) * (rear + front) - pins_.read(pins_.columns().joint.friction);
+        free_share_ = convert<W>(D(1.0) - pins_.read(pins_.columns().joint.coupling));
+        const V mean = n_.per_mass * (convert<W>(pins_.read(pins_.columns().force.z) + (rear - front)) + (total.z[0] + total.z[1]));
         const V apart = n_.per_half_mass * (convert<W>(free) + free_share_ * (V(0.5) * (total.z[0] - total.z[1]) - convert<W>(tips)));
         velocity_change_z_[0] = mean + apart, velocity_change_z_[1] = mean - apart;
     }
@@ -218,7 +213,7 @@ private:
     [[gnu::always_inline]] void store(const AxialResponse<W> (&of_half)[2]) noexcept {
         for (int k = 0; k < 2; ++k) {
             pins_.write(tip_.stiffness[k], widened<W>(n_.stiffness * of_half[k].stiffness));
-            pins_.write(tip_.loading[k], widened<W>(n_.stiffness * of_half[k].loading_at_rest(motion_.velocity_z(k))));
+            pins_.write(tip_.loading[k], widened<W>(n_.stiffness * (of_half[k].loading + of_half[k].stiffness * motion_.velocity_z(k))));
             pins_.write(tip_.damping[k], widened<W>(n_.damping * of_half[k].damping));
         }
     }
@@ -241,7 +236,6 @@ private:
     const TipNumbers<W>& n_;
     const RigidKick& kick_;
     PinBlocks<W> pins_;
-    const RigidRows& columns_;
     const TipRows& tip_;
     RigidTipMotion<W> motion_;
     PlaneV velocity_change_, end_velocity_change_, bend_velocity_change_;  ///< changes in this step [m/s]
@@ -305,9 +299,8 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
 }
 
 /// Presses the tips with velocities as they are, in doubles, of pins that axial_rates() found near.
-inline void press_tips_now(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, RigidReaction& reaction,
-                           Account& account) noexcept {
-    const RigidKick kick;
+inline void press_tips_now(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                           RigidReaction& reaction, Account& account) noexcept {
     TipSums<rigid_lanes, Evaluation::instant> sums(c, kick);
     unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) { sums.add(c, sheaves, kick, columns, {block}); }));
     columns.tip.blocks_before[-1] = -1.0;

@@ -22,11 +22,6 @@ struct PinBlock {
     [[nodiscard, gnu::always_inline]] PinLanes present() const noexcept { return first_lanes(count); }
 };
 
-/// Block of the pins from i = 0, 8, 16 … on.
-[[nodiscard]] inline PinBlock aligned_block(const RigidColumns& columns, int i) noexcept {
-    return {i, std::min(rigid_lanes, columns.pins() - i)};
-}
-
 /// Columns of pins side by side, in blocks of eight.
 /// @tparam W width of the results
 template <int W>

@@ -115,8 +115,7 @@ void RigidLeapfrog::kick(int) noexcept {
 void RigidLeapfrog::kick_pins() noexcept {
     kinetic_ = pins_.model.kernels().kick(pins_.model.coefficients(), kick_.step, pins_.columns);
     const model::RigidColumns& columns = pins_.columns;
-    columns.copy(columns.plate.friction, columns.plate.friction_before);
-    columns.copy(columns.plate.moment, columns.plate.moment_before);
+    columns.copy({columns.plate.friction, columns.plate.moment}, columns.plate.friction_before);
     columns.copy(columns.joint.friction, columns.joint.friction_before);
 }
 
@@ -130,8 +129,7 @@ void RigidLeapfrog::start() {
     pulleys_.place();
     pins_.model.accelerate(pulleys_.sheaves(), pins_.columns, pins_.forces);
     const model::RigidColumns& columns = pins_.columns;
-    columns.copy(columns.plate.slip_low, columns.plate.slip_low_before);
-    columns.copy(columns.plate.slip_high, columns.plate.slip_high_before);
+    columns.copy({columns.plate.slip_low, columns.plate.slip_high}, columns.plate.slip_low_before);
     columns.copy(columns.joint.slip, columns.joint.slip_before);
     pulleys_.start(w_.step.time);
     kick_pins();
