@@ -43,10 +43,13 @@ public:
         return arc_position_ - narrowing_ * movable_side(shaft) * opening(block, shaft);
     }
 
+    /// Loss of running radius per opening of the groove, 1/(2 tan β) [1].
+    [[nodiscard]] double narrowing() const noexcept { return narrowing_; }
+
 private:
     int size_ = 0;
     double arc_position_ = 0.0;
-    double narrowing_ = 0.0;  ///< 1/(2 tan β), loss of running radius per opening of the groove [1]
+    double narrowing_ = 0.0;
 };
 
 /// Reference angle of a speed-controlled shaft: φ_ref(t) = angle + ∫ω_ref from `since` to t.

@@ -1,10 +1,8 @@
 #include "tasks/run/run_loop.hpp"
 
 #include <limits>
-#include <numbers>
 
-#include "model/basis/portable_math.hpp"
-#include "model/machine/belt.hpp"
+#include "model/start/shift_ratio.hpp"
 
 namespace cvtflow::tasks {
 
@@ -12,17 +10,14 @@ namespace {
 
 /// Where control has led the driving sheave: its mean in the last half of that time, moved by what the ratio was off
 /// (model/EQUATIONS.md section 8).
-[[nodiscard]] model::HeldSheave sheave_of(const RunMeans& means, const model::Parameters& p) noexcept {
+[[nodiscard]] model::HeldSheave sheave_of(const RunMeans& means, const Workspace& w) noexcept {
+    const model::Parameters& p = w.parameters;
     const auto last = static_cast<std::size_t>(means.rule().controlled);
     const MeanPoint &begin = means.curve().points()[last / 2], &end = means.curve().points()[last];
     const double target = end.mean_since(begin, Mean::target);
     model::HeldSheave held{end.mean_since(begin, Mean::opening), end.mean_since(begin, Mean::clamping)};
-    const auto radii = model::belt_radii(model::chain_length(p.chain), target, p.pulley.centre_distance);
-    if (!radii) return held;
-    const double lean = 2.0 * model::portable_asin((radii->driving - radii->driven) / p.pulley.centre_distance), half = std::numbers::pi;
-    const double rise = 1.0 / radii->driving + (half + lean) / (half - lean) / radii->driven;
-    const double narrowing = 0.5 * model::portable_cos(p.tip.angle) / model::portable_sin(p.tip.angle);
-    held.opening -= (end.ratio_since(begin) / target - 1.0) / (narrowing * rise);
+    const auto is = model::chain_radii(p, end.ratio_since(begin)), aimed = model::chain_radii(p, target);
+    if (is && aimed) held.opening += (is->driving - aimed->driving) / w.variator.pulleys().coordinates().narrowing();
     return held;
 }
 
@@ -73,7 +68,7 @@ bool RunLoop::sheave_due() const noexcept {
 
 void RunLoop::hold_sheave() {
     model::HeldInputs held = simulation_->workspace().variator.pulleys().torques().held();
-    held.sheave = sheave_of(means_, simulation_->workspace().parameters);
+    held.sheave = sheave_of(means_, simulation_->workspace());
     simulation_->hold(held);
 }
 

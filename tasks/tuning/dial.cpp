@@ -153,7 +153,7 @@ engine::SavedState DialSweep::settled_state(const TuneChoice& choice, double ste
     engine::SavedState state = simulation->saved_state();
     const model::Parameters& parameters = simulation->workspace().parameters;
     // the run begins at t = 0, and so do governor and ledger
-    turn_shaft(state, parameters, 0, -parameters.drive.speed.integral(points_.sweep.from));
+    turn_shaft(state.state.data(), parameters, 0, -parameters.drive.speed.integral(points_.sweep.from));
     state.time = 0.0;
     state.state.resize(static_cast<std::size_t>(model::layout_of(parameters).ledger_begin()));
     return state;
