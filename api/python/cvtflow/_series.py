@@ -281,6 +281,8 @@ class Record(Series, Mapping[str, Array]):
         energy          friction energy of the tips per radius, of sheaves 1-, 1+, 2-, 2+ [4, rings], J/m
         pressure_speed  largest Hertz pressure of a tip times its sliding speed [4, rings], Pa m/s
         sheave_depth    worn in 1,000 hours of what the record shows, with wear.coefficient [4, rings], m
+        tip_volume      worn from each tip likewise [tips], m^3
+        tip_spot        largest contact spot of each tip [tips], m^2
         tip_depth       likewise [tips], m; contact spots grow with it; NaN for tips that never pressed
 
         Raises ValueError without these channels, or for fewer than 2 rows.

@@ -59,9 +59,10 @@ def wear(record):
     modulus = 0.5 * scene["chain.young_modulus"] / (1.0 - _POISSON**2)
     contact = 0.5 * np.pi * (0.75 * scene["tip.hertz"] / modulus)**2 * largest("tip_pressure") / modulus  # a = π R p/(2 E*)
     spot = np.pi * np.where(contact > 0.0, contact, np.nan)**2
+    volume = worn * integral(time, rows("tip_force_speed"))
     return {"rounds": rounds, "first": first, "radius": radius, "energy": energy / width, "pressure_speed": load,
             "sheave_depth": worn * force_way * np.cos(scene["tip.angle"]) / (2.0 * np.pi * radius * width),
-            "tip_depth": worn_depth(worn * integral(time, rows("tip_force_speed")), spot, scene["tip.radius"], scene["half.area"])}
+            "tip_volume": volume, "tip_spot": spot, "tip_depth": worn_depth(volume, spot, scene["tip.radius"], scene["half.area"])}
 
 
 def rounds_text(found):
