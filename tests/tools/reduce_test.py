@@ -205,7 +205,7 @@ class OfAScene(unittest.TestCase):
 
     def test_finds_clamping_forces_that_lose_less_than_a_safety_factor(self):
         Path("clamp.toml").write_text('ratio = [0.8, 1.25]\nload = [0, 0.45, 0.75]\nclamping = ["15 kN", "25 kN"]\n'
-                                      'speed = ["2000 rpm", "2100 rpm"]\n')
+                                      'speed = ["2000 rpm", "2100 rpm"]\npoints = 1\n')
         done = cvtflow("clamp", "baseline", "-o", "clamped", "--axes", "clamp.toml", "--margin", "0.3")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("gain", done.stdout)
