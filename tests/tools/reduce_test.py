@@ -248,7 +248,7 @@ class Published(unittest.TestCase):
         self.assertGreater(rigid[1] - rigid[0], 0)
 
     def test_a_tenth_more_friction_carries_a_tenth_more_torque(self):
-        """Tribology Online 12 (2017): a fluid for chains raises the torque capacity by a tenth. Slip is that of the same share of it."""
+        """Tribology Online, July 2017: a fluid for chains raises the torque capacity by a tenth. Slip is that of the same share of it."""
         _, before = self.steady("friction_9", (1.1, 1.3))
         _, after = self.steady("friction_10", (1.1, 1.3), torque=110.0, **{"tip.friction_coefficient": 0.099})
         np.testing.assert_allclose(after, before, rtol=0.08)  # means are steady to 1 %; other forces meet other resonances of the pins
