@@ -205,7 +205,7 @@ class OfAScene(unittest.TestCase):
 
     def test_finds_clamping_forces_that_lose_less_than_a_safety_factor(self):
         Path("clamp.toml").write_text('ratio = [0.8, 1.25]\nload = [0, 0.45, 0.75]\nclamping = ["15 kN", "25 kN"]\n'
-                                      'speed = ["2000 rpm", "2100 rpm"]\n')
+                                      'speed = ["2000 rpm", "2100 rpm"]\npoints = 1\n')
         done = cvtflow("clamp", "baseline", "-o", "clamped", "--axes", "clamp.toml", "--margin", "0.3")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("gain", done.stdout)
@@ -248,7 +248,7 @@ class Published(unittest.TestCase):
         self.assertGreater(rigid[1] - rigid[0], 0)
 
     def test_a_tenth_more_friction_carries_a_tenth_more_torque(self):
-        """Tribology Online 12 (2017): a fluid for chains raises the torque capacity by a tenth. Slip is that of the same share of it."""
+        """Tribology Online, July 2017: a fluid for chains raises the torque capacity by a tenth. Slip is that of the same share of it."""
         _, before = self.steady("friction_9", (1.1, 1.3))
         _, after = self.steady("friction_10", (1.1, 1.3), torque=110.0, **{"tip.friction_coefficient": 0.099})
         np.testing.assert_allclose(after, before, rtol=0.08)  # means are steady to 1 %; other forces meet other resonances of the pins

@@ -11,7 +11,7 @@ from ._reduction import csv_text, efficiency
 from ._small import Small
 
 SHARES = (0.0, 0.4, 0.6, 0.75, 0.85, 0.92, 0.97)
-_CHECKED = 5  # points at which both clamping forces run
+_CHECKED = 5  # points at most at which both clamping forces run
 
 
 class Rule:
@@ -65,9 +65,11 @@ def _picture(rows, name, speed):
     return _figures.picture(_figures.draw(panels, heading), "svg", "")
 
 
-def _confirmed(bench, machine, model, rows, speed):
+def _confirmed(bench, machine, model, rows, speed, count):
     """Lines that state both efficiencies at points of the table, by steady cases."""
-    spread = [rows[k] for k in np.linspace(0, len(rows) - 1, _CHECKED + 2).astype(int)[1:-1]]
+    if not count:
+        return
+    spread = [rows[k] for k in np.linspace(0, len(rows) - 1, count + 2).astype(int)[1:-1]]
     points, thrust = [], []
     for ratio, torque, best, _, today, *_rest in spread:
         for force in (best, today):
@@ -109,6 +111,6 @@ def requested(request):
              "  decided by " + ", ".join(f"{name} {decides.count(name)}" for name in ("efficiency", "slip", "range")),
              f"  gain {100 * np.median(gains):+.3f} points of efficiency in the median, {100 * gains.min():+.3f} to "
              f"{100 * gains.max():+.3f}",
-             *_confirmed(bench, machine, model, rows, speed),
+             *_confirmed(bench, machine, model, rows, speed, min(_CHECKED, axes["points"])),
              f"written to {request['place']}: clamping.csv, clamping.svg, in {time.monotonic() - begin:.0f} s"]
     return ("\n".join(lines) + "\n").encode()
