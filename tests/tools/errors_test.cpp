@@ -401,6 +401,7 @@ TEST_F(Messages, OfACheckSizePressuresAndControl) {
     EXPECT_THAT(run({"check", "control", "--set", "control.ratio=[[0, 1], [\"0.5 s\", 1.6]]", "--until", "0.5 s"}).out,
                 ContainsRegex("control has to add -.* kN to clamping.driving, its authority is 10 kN: change one of both"));
     EXPECT_THAT(run({"check", "tiny", "--for-torque", "3 kN"}).err, HasSubstr("--for-torque 3 kN: expected a torque"));
+    EXPECT_THAT(run({"check", "free_ring", "--for-torque", "3 Nm"}).err, HasSubstr("--for-torque: free_ring: it has no pulleys"));
     EXPECT_THAT(run({"check", "tiny", "--safety", "2"}).err, HasSubstr("--for-torque"));
     EXPECT_THAT(run({"check", "manoeuvre"}).out, HasSubstr("not sized           a controller of slip makes S_2 in the run"));
 }

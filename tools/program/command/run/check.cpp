@@ -92,7 +92,7 @@ std::string largest_step_line(const tasks::Scene& scene, const tasks::Simulation
 double torque_of(const std::string& text) {
     const auto parsed = tasks::parse_quantity(text);
     const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
-    if (quantity == nullptr || (quantity->has_unit && quantity->dimension != tasks::dimension_of("N*m")))
+    if (quantity == nullptr || quantity->value == 0.0 || (quantity->has_unit && quantity->dimension != tasks::dimension_of("N*m")))
         throw UsageError(fmt::format("--for-torque {}: expected a torque, such as \"220 N*m\"", text));
     return quantity->value;
 }
@@ -107,6 +107,7 @@ struct CheckArguments {
 
 /// The sizing that the options ask for, with the forces of shaft 1.
 tasks::Sizing sizing_of(const CheckArguments& arguments, const tasks::Scene& scene) {
+    if (!(arguments.safety > 0.0)) throw UsageError("--safety: expected a positive number");
     tasks::Sizing sizing =
         arguments.torque ? tasks::size_for_torque(scene, torque_of(*arguments.torque), arguments.safety) : size_scene(scene);
     for (tasks::SizedPoint& point : sizing.points) size_driving(scene, point);
@@ -125,6 +126,7 @@ ExitStatus check(const CheckArguments& options) {
         return ExitStatus::finished;
     }
     if (options.torque) {
+        if (!sizing.objection.empty()) throw UsageError(fmt::format("--for-torque: {}: {}", scene.name, sizing.objection));
         fmt::print("{}{}", machine_lines(scene), sizing_lines(scene, sizing));
         return ExitStatus::finished;
     }
