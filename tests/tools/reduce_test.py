@@ -32,6 +32,7 @@ if shutil.which("cc") is None:
 CVTFLOW, SOURCE = (os.path.abspath(path) for path in sys.argv[1:3])
 folder = tempfile.TemporaryDirectory(prefix="cvtflow-reduce-")
 os.chdir(folder.name)
+sys.dont_write_bytecode = True
 drawing = types.ModuleType("reduction")  # the package without the compiled module
 drawing.__path__ = [SOURCE + "/api/python/cvtflow"]
 sys.modules["reduction"] = drawing
