@@ -32,6 +32,7 @@ if shutil.which("cc") is None:
 CVTFLOW, SOURCE = (os.path.abspath(path) for path in sys.argv[1:3])
 folder = tempfile.TemporaryDirectory(prefix="cvtflow-reduce-")
 os.chdir(folder.name)
+sys.dont_write_bytecode = True
 drawing = types.ModuleType("reduction")  # the package without the compiled module
 drawing.__path__ = [SOURCE + "/api/python/cvtflow"]
 sys.modules["reduction"] = drawing
@@ -100,6 +101,13 @@ class ModelInC(unittest.TestCase):
             model = made_up().load()
             model.begin(**{**inside, **change})
             self.assertEqual(model.get("outside"), bits, change)
+
+    def test_stops_a_tenth_beyond_its_map(self):
+        for clamping, end in ((60e3, 0.45), (1e3, 2.2)):
+            model = made_up().load()
+            model.begin(speed_1=200.0, torque_2=50.0, clamping_1=clamping, clamping_2=20e3, ratio_start=1.0, inertia_2=0.0)
+            model.advance(100.0)
+            self.assertAlmostEqual(model.get("ratio") * (1.0 - model.get("slip")), end, places=6)
 
     def test_is_ten_thousand_times_as_fast_as_the_clock(self):
         from reduction._reduction import _speed_factor

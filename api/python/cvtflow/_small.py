@@ -80,6 +80,7 @@ class Small:
             "enum { " + ", ".join(row[0] for row in VARIABLES) + f", COUNT, SETTABLE = {settable} }};",
             f"static const double start_values[COUNT] = {_numbers(self.start)};",
             f"static const double ratio_axis[RATIOS] = {_numbers(np.log(axes['ratio']))}; /* ln */",
+            f"static const double ratio_ends[2] = {_numbers(axes['ratio'][[0, -1]] * [0.9, 1.1])}; /* stops of the sheaves */",
             f"static const double load_axis[LOADS] = {_numbers(axes['load'])}; /* shares of 2 mu S_2 r_2/cos(beta) */",
             f"static const double clamping_axis[CLAMPINGS] = {_numbers(np.log(axes['clamping']))}; /* ln [N] */",
             f"static const double speed_axis[SPEEDS] = {_numbers(axes['speed'])}; /* [rad/s] */",

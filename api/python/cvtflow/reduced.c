@@ -118,6 +118,7 @@ static void advance_one(Reduced* m, double h) {
     m->before = m->speed;
     m->slowing = (rise - m->speed * m->turn) / m->ratio;
     m->ratio *= 1.0 + h * m->turn * (1.0 + 0.5 * h * m->turn); /* exp(), with two terms */
+    m->ratio = m->ratio > ratio_ends[0] ? (m->ratio < ratio_ends[1] ? m->ratio : ratio_ends[1]) : ratio_ends[0];
     m->known = 0;
 }
 
@@ -281,11 +282,12 @@ EXPORT void* fmi3InstantiateScheduledExecution(void) { return NULL; }
     EXPORT int fmi3##name(void* m) { return (void)m, ERROR; }
 #define TYPE(name) NONE(Get##name) NONE(Set##name)
 TYPE(Float32)
-TYPE(Int8) TYPE(UInt8) TYPE(Int16) TYPE(UInt16) TYPE(Int32) TYPE(UInt32) TYPE(Int64) TYPE(UInt64) TYPE(Boolean) TYPE(String) TYPE(Binary)
-    TYPE(Clock) TYPE(IntervalDecimal) TYPE(IntervalFraction) TYPE(ShiftDecimal) TYPE(ShiftFraction) NONE(SerializedFMUStateSize)
-        NONE(SerializeFMUState) NONE(DeserializeFMUState) NONE(GetDirectionalDerivative) NONE(GetAdjointDerivative)
-            NONE(GetOutputDerivatives) NONE(GetNumberOfVariableDependencies) NONE(GetVariableDependencies) NONE(EnterConfigurationMode)
-                NONE(ExitConfigurationMode) NONE(EvaluateDiscreteStates) NONE(UpdateDiscreteStates) NONE(EnterEventMode) NONE(EnterStepMode)
+TYPE(Int8)
+TYPE(UInt8) TYPE(Int16) TYPE(UInt16) TYPE(Int32) TYPE(UInt32) TYPE(Int64) TYPE(UInt64) TYPE(Boolean) TYPE(String) TYPE(Binary) TYPE(Clock)
+    TYPE(IntervalDecimal) TYPE(IntervalFraction) TYPE(ShiftDecimal) TYPE(ShiftFraction) NONE(SerializedFMUStateSize) NONE(SerializeFMUState)
+        NONE(DeserializeFMUState) NONE(GetDirectionalDerivative) NONE(GetAdjointDerivative) NONE(GetOutputDerivatives)
+            NONE(GetNumberOfVariableDependencies) NONE(GetVariableDependencies) NONE(EnterConfigurationMode) NONE(ExitConfigurationMode)
+                NONE(EvaluateDiscreteStates) NONE(UpdateDiscreteStates) NONE(EnterEventMode) NONE(EnterStepMode)
                     NONE(ActivateModelPartition) NONE(EnterContinuousTimeMode) NONE(CompletedIntegratorStep) NONE(SetTime)
                         NONE(SetContinuousStates) NONE(GetContinuousStateDerivatives) NONE(GetEventIndicators) NONE(GetContinuousStates)
                             NONE(GetNominalsOfContinuousStates) NONE(GetNumberOfEventIndicators) NONE(GetNumberOfContinuousStates)
