@@ -21,13 +21,17 @@ constexpr std::size_t waiting_rows = 64;
 constexpr double sync_seconds = 5.0;
 const engine::Cancellation never;
 
-/// Continued cases to run once more: the last ones of `sweep.checked` strands, spread evenly over the strands of a shard. Ascending.
+/// Continued cases to run once more: the last one of a strand and others, spread evenly over `sweep.checked` strands of a shard. Ascending.
 std::vector<long> cases_to_check(const Sweep& sweep, const std::vector<long>& cases) {
     const std::size_t strand = static_cast<std::size_t>(sweep.strand());
+    constexpr std::size_t other_place = 19;
     const std::size_t strands = cases.size() / strand;
     const std::size_t requested = strand > 1 ? std::min(strands, static_cast<std::size_t>(sweep.checked)) : 0;
     std::vector<long> chosen;
-    for (std::size_t k = 0; k < requested; ++k) chosen.push_back(cases[((2 * k + 1) * strands / (2 * requested)) * strand + strand - 1]);
+    for (std::size_t k = 0; k < requested; ++k) {
+        const std::size_t in_strand = strand - 1 - other_place * k % (strand - 1);  // not only the last ones, but never the first
+        chosen.push_back(cases[((2 * k + 1) * strands / (2 * requested)) * strand + in_strand]);
+    }
     return chosen;
 }
 
@@ -179,7 +183,7 @@ private:
                 fmt::format("{}: results of shard {}, not {}", file_, table.attribute("shard"), begin.attribute("shard")));
         const std::vector<long> ok = mark_done(table, options_.part.attempt == 0 ? options_.retry : std::vector<std::string>{}, done_);
         if (!ok.empty()) failing_alike_.disprove();
-        reopen_broken_strands(sweep_, places(), ok, done_);
+        StrandEnds(sweep_, places().continuation).reopen_broken(ok, done_);
         keep_done(table, done_);
         table.set({"status", "running"});
         return table;
@@ -309,7 +313,8 @@ private:
         for (const long number : cases) {
             const auto row = rows.of_case(number);
             if (row.empty() || layout.text(row, layout.column("status")) != status_name(CaseStatus::ok)) continue;
-            const double until = longer ? sweep_.from + 6.0 * (layout.real(row, layout.column("settled_for")) - sweep_.from) : 0.0;
+            const double times = layout.text(row, layout.column("start")) == "extrapolated" ? 12.0 : 6.0;  // its start is better
+            const double until = longer ? sweep_.from + times * (layout.real(row, layout.column("settled_for")) - sweep_.from) : 0.0;
             if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
             const CaseResult& again = engine->run_from_own_start(number, until);
             if (again.status == CaseStatus::stopped) return {};

@@ -22,6 +22,7 @@ constexpr std::string_view statuses[] = {"ok",      "unreliable", "diverged", "b
 constexpr double worth_a_switch = 0.2;  ///< wall time that a case must have left to get more threads [s]
 constexpr double trial_seconds = 0.05;  ///< wall time after which more threads are compared with one [s]
 constexpr double required_gain = 1.1;
+constexpr double brief_periods = 48.0;  ///< pin periods after which means count where a solved neighbour's sheave is held
 
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point then) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
@@ -70,7 +71,13 @@ std::span<const std::string_view> status_names() noexcept { return statuses; }
 std::string_view status_name(CaseStatus status) noexcept { return statuses[static_cast<int>(status)]; }
 
 CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places)
-    : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene), scalars_(sweep) {
+    : sweep_(sweep),
+      starts_(starts),
+      control_(control),
+      places_(std::move(places)),
+      scene_(sweep.scene),
+      scalars_(sweep),
+      ends_(sweep, places_.continuation) {
     result_.scalars.resize(sweep.scalars.size());
     result_.errors.resize(sweep.scalars.size());
     std::error_code missing;
@@ -82,6 +89,7 @@ const CaseResult& CaseEngine::run(long number) {
     result_.error.clear();
     result_.status = CaseStatus::ok;
     prepare();
+    plain_ = false;
     try {
         sweep_.apply_case(number, scene_);
         result_.error = violations(scene_);
@@ -152,9 +160,14 @@ void CaseEngine::prepare() {
 
 double CaseEngine::elapsed() const { return wall_before_ + seconds_since(started_); }
 
-void CaseEngine::begin(const StartStates::State& saved) {
+void CaseEngine::begin(const ContinuedStart& from) {
     if (serial_ == nullptr || !fits(serial_->simulation, scene_)) serial_ = std::make_unique<CaseSite>(without_state(scene_), Schedule{});
-    serial_->simulation.reset(scene_, saved.get(), saved ? nullptr : starts_.placed(result_.number, scene_).get());
+    serial_->simulation.reset(scene_, from.state.get(), from.state ? nullptr : starts_.placed(result_.number, scene_).get());
+    if (from.sheave) {
+        model::HeldInputs held = serial_->simulation.workspace().variator.pulleys().torques().held();
+        held.sheave = from.sheave;
+        serial_->simulation.hold(held);
+    }
     at_ = serial_.get();
     if (record_options_.from != nullptr)
         require_same(checkpoint_file(), *record_options_.from, scene_, at_->simulation.workspace().variator, places_.mixed);
@@ -164,28 +177,15 @@ void CaseEngine::begin(const StartStates::State& saved) {
 }
 
 void CaseEngine::integrate() {
-    result_.start = starts_.kind(scene_);
-    SteadyRule rule = steady_rule(scene_);
-    if (longer_ > 0.0) {
-        rule.tolerance = 0.0;
-        rule.limit = std::numeric_limits<double>::infinity();
+    const ContinuedStart start = own_start_ ? ContinuedStart{} : ends_.start(result_.number, scene_);
+    Fault fault = attempt(start);
+    if (start.sheave && astray()) {
+        forget_checkpoint();
+        prepare();
+        result_.error.clear();
+        plain_ = true;
+        fault = attempt(ends_.plain());
     }
-    RunMeans& means = scalars_.means();
-    means.seek_steady(rule);
-    end_ = longer_ > 0.0 ? RunEnd{longer_, longer_} : end_of(scene_);
-    const bool resumed = restore();
-    StartStates::State from = own_start_ ? nullptr : end_before(sweep_, places_, result_.number, scene_);
-    if (from)
-        result_.start = "continued";
-    else
-        from = starts_.of_case(result_.number, scene_, control_.stop());
-    result_.start_state = from ? content_hash(*from) : 0;
-    if (!resumed) begin(from);
-    const Fault fault = run();
-    result_.settling = history_.settling;
-    if (longer_ > 0.0) means.conclude();
-    judge(fault, result_);
-    judge_energy(at_->simulation, means, result_);
     result_.hash = at_->simulation.hash();
     result_.counters = at_->simulation.counters();
     scalars_.write(result_);
@@ -196,7 +196,41 @@ void CaseEngine::integrate() {
         report.step_setting = scene_.run.step;
         std::exchange(recorder_, nullptr)->finish(at_->simulation, report, elapsed());
     }
-    if (result_.status == CaseStatus::ok && !own_start_) keep_for_neighbour(sweep_, places_, result_.number, scene_, at_->simulation);
+    const bool slides = result_.status == CaseStatus::not_steady && scalars_.means().steady().sliding > 0.0;
+    if ((result_.status == CaseStatus::ok || (result_.status == CaseStatus::not_steady && !slides)) && !own_start_)
+        ends_.keep(result_.number, scene_, at_->simulation, scalars_.sections(), scalars_.means());
+}
+
+/// Runs the case from a start, and judges it.
+Fault CaseEngine::attempt(ContinuedStart from) {
+    result_.start = from.extrapolated ? "extrapolated" : from.state ? "continued" : starts_.kind(scene_);
+    SteadyRule rule = steady_rule(scene_);
+    if (longer_ > 0.0) {
+        rule.tolerance = 0.0;
+        rule.limit = std::numeric_limits<double>::infinity();
+    } else if (from.sheave) {
+        rule.controlled = 0.0;
+        rule.brief = brief_periods;
+    }
+    RunMeans& means = scalars_.means();
+    scalars_.seek_steady(rule);
+    end_ = longer_ > 0.0 ? RunEnd{longer_, longer_} : end_of(scene_);
+    const bool resumed = restore();
+    if (!from.state) from.state = starts_.of_case(result_.number, scene_, control_.stop());
+    result_.start_state = from.state ? content_hash(*from.state) : 0;
+    if (!resumed) begin(from);
+    const Fault fault = run();
+    result_.settling = history_.settling;
+    if (longer_ > 0.0) means.conclude();
+    judge(fault, result_);
+    judge_energy(at_->simulation, means, result_);
+    return fault;
+}
+
+/// Whether a start whose sheave was held from its begin on has led nowhere.
+bool CaseEngine::astray() {
+    const bool can_be = result_.status == CaseStatus::ok || result_.status == CaseStatus::not_steady;
+    return result_.status != CaseStatus::stopped && (!can_be || scalars_.means().steady().astray);
 }
 
 /// Settling, if the case needs it, and the run.

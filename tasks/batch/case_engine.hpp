@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "engine/executor/tbb/job_pool.hpp"
-#include "tasks/batch/start_states.hpp"
+#include "tasks/batch/strand_ends.hpp"
 #include "tasks/run/run_loop.hpp"
 
 namespace cvtflow::tasks {
@@ -78,21 +78,8 @@ struct CasePlaces {
     bool mixed = false;              ///< whether checkpoints may be of another version of the program
 };
 
-/// A case of a continued sweep starts where the last good one before it ended, and of every strand only the latest ends are kept. Strands
-/// of which others than their last cases are to run, or whose latest end is not that of their last good case, begin anew.
-/// @param ok  cases that are in the table and ended well, ascending   @param done  by case; in and out
-/// @throws engine::RecordError  an end is damaged
-void reopen_broken_strands(const Sweep& sweep, const CasePlaces& places, const std::vector<long>& ok, std::vector<char>& done);
-
 /// File of a case in a folder of CasePlaces.
 [[nodiscard]] std::string case_file(const std::filesystem::path& folder, std::string_view kind, long number);
-/// The latest end of a case before this one in its strand, if it fits the machine of this one; nullptr if there is none.
-/// @param scene of this case   @throws engine::RecordError
-[[nodiscard]] StartStates::State end_before(const Sweep& sweep, const CasePlaces& places, long number, const Scene& scene);
-/// Keeps the end of a case as a start for the next one of its strand: shaft 1 is turned back by the angle that the governor's reference has
-/// gone.
-void keep_for_neighbour(const Sweep& sweep, const CasePlaces& places, long number, const Scene& scene, Simulation& simulation);
-
 /// A simulation in which cases run, and what observes it.
 struct CaseSite {
     CaseSite(const Scene& scene, const Schedule& schedule) : simulation(scene, schedule), observer(simulation.workspace().variator) {}
@@ -109,12 +96,15 @@ public:
     void clear();
     /// Connects to a site for the next case. @param end last output of the case; infinite where it ends when it is steady [s]
     void observe(CaseSite& site, const RunSettings& run, double end) noexcept;
+    /// Seeks steady means, and the mean state for the case behind. Call it before the first sample.
+    void seek_steady(const SteadyRule& rule) noexcept;
     /// Means since sweep.from over the samples of scalars.
     [[nodiscard]] RunMeans& means() noexcept { return means_; }
+    [[nodiscard]] const SectionMean& sections() const noexcept { return sections_; }
     /// Whether the case ends when it is steady. Scalars are then those of whole pin periods.
     [[nodiscard]] bool by_periods() const noexcept { return means_.rule().limit > 0.0; }
     void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
-    [[nodiscard]] bool samples(double time) const noexcept override { return counts(time) && due(time); }
+    [[nodiscard]] bool samples(double time) const noexcept override { return counts(time) && (due(time) || sections_.due(time)); }
     void sample(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord& /*record*/) override {}
     /// Writes scalars, their errors and the begin of the means. A scalar of a case that ended well must be finite.
@@ -146,6 +136,7 @@ private:
     std::vector<Early> early_;       ///< states that early_count_ counts, then memory for reuse
     std::size_t early_count_ = 0;
     RunMeans means_;
+    SectionMean sections_;
     double output_before_ = 0.0;  ///< time of the last output [s]
     std::vector<double> values_;  ///< numbers of one channel
 };
@@ -168,10 +159,12 @@ public:
 private:
     enum class Pause { none, stop, checkpoint, more_threads };
     void prepare();
-    void begin(const StartStates::State& saved);
+    void begin(const ContinuedStart& from);
     [[nodiscard]] bool restore();
     void resume_from(const Checkpoint& checkpoint);
     void integrate();
+    [[nodiscard]] Fault attempt(ContinuedStart from);
+    [[nodiscard]] bool astray();
     [[nodiscard]] Fault run();
     [[nodiscard]] bool due(double time, const Counters& counters) override;
     [[nodiscard]] bool pass(RunLoop& loop) override;
@@ -190,9 +183,9 @@ private:
     CaseScalars scalars_;
     RunHistory history_;
     std::unique_ptr<CaseSite> serial_, parallel_;
-    CaseSite* at_ = nullptr;  ///< site of the present case
-    bool own_start_ = false;
-    double longer_ = 0.0;  ///< end of the run in place of the scene's; 0: none [s]
+    CaseSite* at_ = nullptr;                  ///< site of the present case
+    bool own_start_ = false, plain_ = false;  ///< plain_: another start has led nowhere
+    double longer_ = 0.0;                     ///< end of the run in place of the scene's; 0: none [s]
     RunEnd end_{};
     bool resumable_ = false;  ///< there were checkpoints when the sweep began
     bool on_disk_ = false;    ///< the case has one
@@ -204,7 +197,8 @@ private:
     std::chrono::steady_clock::time_point started_, last_save_, window_begin_;
     long window_steps_ = 0;
     double serial_rate_ = 0.0;  ///< steps per second by one thread; 0: not measured [1/s]
-    int refused_threads_ = 0;   ///< thread count that a trial found too slow; 0: none
+    StrandEnds ends_;
+    int refused_threads_ = 0;  ///< thread count that a trial found too slow; 0: none
 };
 
 /// Cost of a step: evaluations x unknowns.
@@ -214,7 +208,8 @@ private:
 class CaseCosts {
 public:
     explicit CaseCosts(const Sweep& sweep) : sweep_(sweep) {}
-    [[nodiscard]] double of_run(const Scene& scene) const;
+    /// Cost of a run; of one until it is steady that of its usual length. @param continued  the case starts from another
+    [[nodiscard]] double of_run(const Scene& scene, bool continued = false) const;
     [[nodiscard]] double of_settling(const Scene& scene) const;
     /// Whether the case settles, judged by its level of detail. In a sweep with shared starts none does.
     /// @throws as saved_start

@@ -28,17 +28,23 @@ void CaseScalars::observe(CaseSite& site, const RunSettings& run, double end) no
     end_ = end - 1e-9 * run.output_interval;
 }
 
+void CaseScalars::seek_steady(const SteadyRule& rule) noexcept {
+    means_.seek_steady(rule);
+    sections_.clear(by_periods() && sweep_.strand() > 1 ? static_cast<int>(rule.repeats) : 0);
+}
+
 bool CaseScalars::counts(double time) const noexcept { return !site_->simulation.needs_settling() && time >= sweep_.from * (1.0 - 1e-12); }
 
 void CaseScalars::sample(double time, const Workspace& workspace, const Counters& counters) {
-    reduce(time, workspace, counters, by_periods() ? each_sample : Occasion{.sample = true});
+    if (sections_.due(time)) sections_.add(time, workspace);
+    if (due(time)) reduce(time, workspace, counters, by_periods() ? each_sample : Occasion{.sample = true});
 }
 
 /// Takes an output as a sample where samples are farther apart than outputs, as at rest.
 void CaseScalars::output(double time, const Workspace& workspace, const Counters& counters) {
     if (!counts(time)) return;
     if (by_periods()) {
-        if (due(time)) sample(time, workspace, counters);
+        sample(time, workspace, counters);
         return;
     }
     const bool last = time >= end_;
@@ -135,6 +141,7 @@ void CaseScalars::save(std::vector<double>& memory) const {
         for (const Reducer& reducer : reducers) reducer.save(memory);
     }
     means_.save(memory);
+    sections_.save(memory);
 }
 
 std::span<const double> CaseScalars::load(std::span<const double> memory, double time) {
@@ -148,7 +155,7 @@ std::span<const double> CaseScalars::load(std::span<const double> memory, double
         reducers.resize(sweep_.scalars.size());
         for (Reducer& reducer : reducers) memory = reducer.load(memory);
     }
-    return means_.load(memory);
+    return sections_.load(means_.load(memory));
 }
 
 }  // namespace cvtflow::tasks

@@ -30,7 +30,11 @@ double step_cost(const Scene& scene) {
     return static_cast<double>(std::max(1, method ? method->evaluations_per_step() : 0)) * model::layout_of(scene.parameters).size();
 }
 
-double CaseCosts::of_run(const Scene& scene) const { return cost_of_time(scene, latest_end(scene)); }
+double CaseCosts::of_run(const Scene& scene, bool continued) const {
+    constexpr double usual = 3.0, usual_continued = 1.0;  // revolutions of the chain after which means are steady
+    const double share = scene.run.until.automatic() ? std::min(1.0, (continued ? usual_continued : usual) / scene.run.steady_limit) : 1.0;
+    return cost_of_time(scene, share * latest_end(scene));
+}
 
 double CaseCosts::of_settling(const Scene& scene) const { return cost_of_time(scene, scene.parameters.start.settling_time); }
 
@@ -144,11 +148,22 @@ double cost_of(const Sweep& sweep, const std::vector<long>& cases, long& bad) {
             ++bad;
             continue;
         }
-        total += costs.of_run(scene);
+        const bool continued = number % sweep.strand() != 0;
+        total += costs.of_run(scene, continued);
+        if (continued) continue;
         const long first = starts.first_settling_alike(number);
         if (first >= 0 ? settled.insert(first).second : costs.settles(scene)) total += costs.of_settling(scene);
     }
     return total;
+}
+
+/// Cost of the cases that run once more at the end, from their own starts: as often as in a single process.
+double cost_of_repeated(const Sweep& sweep, const std::vector<long>& cases) {
+    const double confirmed = sweep.steady() ? 3.0 * sweep.confirmation.cases : 0.0, checked = sweep.strand() > 1 ? sweep.checked : 0.0;
+    if (cases.empty()) return 0.0;
+    const Scene scene = scene_of_case(sweep, cases[cases.size() / 2]);
+    const CaseCosts costs(sweep);
+    return confirmed + checked > 0.0 ? (confirmed + checked) * costs.of_run(scene, false) : 0.0;
 }
 
 }  // namespace
@@ -157,7 +172,7 @@ BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
     BatchEstimate result;
     const std::vector<long> cases = shard_cases(sweep, shard);
     result.cases = static_cast<long>(cases.size());
-    const double cost = cost_of(sweep, cases, result.bad);
+    const double cost = cost_of(sweep, cases, result.bad) + cost_of_repeated(sweep, cases);
     std::vector<double> rates;
     for (const std::size_t at : {cases.size() / 2, std::size_t{0}, cases.size() - 1}) {
         if (cases.empty()) break;

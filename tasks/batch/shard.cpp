@@ -22,7 +22,8 @@ std::vector<double> strand_costs(const Sweep& sweep) {
     for (long number = 0; number < sweep.cases(); ++number) {
         sweep.apply_case(number, scene);
         costs[static_cast<std::size_t>(number / sweep.strand())] +=
-            cost.of_run(scene) + (cost.settles(scene) ? cost.of_settling(scene) : 0.0);
+            cost.of_run(scene, number % sweep.strand() != 0) +
+            (number % sweep.strand() == 0 && cost.settles(scene) ? cost.of_settling(scene) : 0.0);
     }
     return costs;
 }

@@ -194,9 +194,9 @@ StartStates::State StartStates::settled(const Scene& scene, const engine::Cancel
     return state;
 }
 
-void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, int shaft, double angle) {
+void turn_shaft(double* state, const model::Parameters& parameters, int shaft, double angle) {
     const model::ChainLayout at = model::layout_of(parameters);
-    double* coordinates = state.state.data() + at.pulley_begin();
+    double* coordinates = state + at.pulley_begin();
     if (at.pulley_size == 4) coordinates[shaft] += angle;
     if (at.pulley_size != 36) return;
     for (const int body : {shaft, model::sheave_body(shaft, 0), model::sheave_body(shaft, 1)})

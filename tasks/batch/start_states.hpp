@@ -67,8 +67,9 @@ private:
     std::map<long, Placed> placed_;         ///< geometric starts, by the first case that has the same
 };
 
-/// Turns a shaft with its sheaves, which are the same all round: a governor counts angles from t = 0. shaft 0 or 1, angle [rad]
-void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, int shaft, double angle);
+/// Turns a shaft with its sheaves, which are the same all round: a governor counts angles from t = 0. state [unknowns], shaft 0 or 1,
+/// angle [rad]
+void turn_shaft(double* state, const model::Parameters& parameters, int shaft, double angle);
 
 /// Whether the course of settling depends on a key.
 [[nodiscard]] bool matters_for_settling(std::string_view key) noexcept;

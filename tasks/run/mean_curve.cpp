@@ -351,8 +351,8 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
     const std::size_t periods = points.size() <= first ? 0 : points.size() - 1 - first;
     SteadyMeans means;
     const std::size_t batches = std::min(max_blocks, periods / 2 / unit);
-    if (batches < min_blocks || static_cast<double>(periods) < rule.pins) return means;
-    means.early = first == 0 && static_cast<double>(periods) < std::min(min_revolutions * rule.pins, rule.limit);
+    if (batches < min_blocks || static_cast<double>(periods) < (rule.brief > 0.0 ? rule.brief : rule.pins)) return means;
+    means.early = !rule.holds_sheave() && static_cast<double>(periods) < std::min(min_revolutions * rule.pins, rule.limit);
     means.batch = periods / 2 / batches / unit * unit;
     means.begin = first + periods - batches * means.batch;
     std::array<Block, max_blocks> blocks{};
@@ -363,6 +363,7 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
     add_rails(begin, end, means);
     const bool held = rule.holds_ratio && end.mean_since(begin, Mean::limited) <= often_limited;
     means.off_target = held ? std::abs(end.mean_since(begin, Mean::missed)) : 0.0;
+    means.astray = rule.brief > 0.0 && means.off_target > misses_held;
     means.unseen = unseen_share * rule.tolerance;
     means.unseen_ratio = means.unseen * (held ? share_of_ratio : 1.0);
     for (std::size_t quantity = 0; quantity < SteadyMeans::count; ++quantity) {  // what is held decides the others
@@ -370,7 +371,7 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
         error.drift = std::hypot(error.drift, (quantity == 0 ? means.unseen_ratio : means.unseen) * means.scale(quantity, min_steady_slip));
         error.drift += means.off_target * std::abs(quantity == efficiency ? 1.0 - error.mean : error.mean);
     }
-    means.judge(rule.tolerance, held && rule.controlled == 0.0 ? share_of_ratio : 1.0, min_steady_slip, efficiency);
+    means.judge(rule.tolerance, held && !rule.holds_sheave() ? share_of_ratio : 1.0, min_steady_slip, efficiency);
     judge_swing(points.subspan(means.begin), means);
     const MeanPoint& middle = points[means.begin + batches / 2 * means.batch];
     const double earlier = std::abs(middle.mean_since(begin, Mean::friction_slip));

@@ -13,6 +13,9 @@
 
 namespace cvtflow::tasks {
 
+/// Deviation from its target beyond which a ratio is noted whose sheave is held [1].
+inline constexpr double misses_held = 0.003;
+
 /// Quantities of an instant whose means over time a summary states.
 enum class Mean {
     slip,
@@ -73,6 +76,9 @@ struct SteadyRule {
     double repeats = 1.0;      ///< pin periods after which the machine repeats itself: all of a revolution where it is imperfect [1]
     bool holds_ratio = false;  ///< ratio control: the ratio is steady at its target, to a tenth of the tolerance
     double controlled = 0.0;   ///< pin periods of ratio control before the sheave is held (control.when_steady); 0: none [1]
+    double brief = 0.0;        ///< pin periods after which means count where the sheave is held from the start on; 0: it is not [1]
+
+    [[nodiscard]] bool holds_sheave() const noexcept { return controlled > 0.0 || brief > 0.0; }
 };
 
 /// Integrals by the trapezoidal rule over samples, which may lie at any distance from each other.
@@ -186,6 +192,7 @@ struct SteadyMeans : MeanErrors {
     double swing = 0.0;                ///< root mean square of the tensions' differences from period to period, over the tight one [1]
     bool early = false;                ///< less than two revolutions of a controller: its swings may not show yet
     bool grows = false;                ///< alternation or swing is noticeable and grows: later means differ
+    bool astray = false;               ///< a sheave that is held from the start on is not where its ratio is
     double sliding = 0.0;              ///< slip by friction of a chain that slides, and ever faster; else 0 [1]
 
     [[nodiscard]] bool steady() const noexcept { return batches > 0 && share > 0.0 && share <= 1.0 && !grows && !early; }

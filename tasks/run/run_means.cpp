@@ -17,7 +17,6 @@ namespace {
 constexpr double gross_slip = 0.03;      ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
 constexpr double often = 0.05;           ///< share of time
 constexpr double misses = 0.01;          ///< share of a controller's target
-constexpr double misses_held = 0.003;    ///< the same of a ratio whose sheave is held
 constexpr double swings = 0.05;          ///< a controlled force: standard deviation over mean
 constexpr double known = 0.01;           ///< error of a mean beyond which it is no result to 1 %
 constexpr double misses_cycle = 0.02;    ///< speed of shaft 2 follows ECE-15 within 1.5 %
@@ -147,7 +146,7 @@ SpanMeans RunMeans::span(double from, double to) const {
 
 MeanErrors RunMeans::errors() const noexcept {
     return noted_errors(steady_.batches > 0 ? MeanErrors(steady_) : mean_errors(curve_), std::max(known, rule_.tolerance),
-                        rule_.controlled > 0.0);
+                        rule_.holds_sheave());
 }
 
 double RunMeans::begin() const noexcept { return steady_.batches == 0 ? curve_.first().time : curve_.points()[steady_.begin].time; }
@@ -169,7 +168,8 @@ SteadyRule steady_rule(const Scene& scene) noexcept {
             static_cast<double>(pins),
             static_cast<double>(turns_matter ? pins : pitches),
             holds_ratio,
-            scene.when_steady == WhenSteady::hold ? periods_of_control : 0.0};
+            scene.when_steady == WhenSteady::hold ? periods_of_control : 0.0,
+            0.0};
 }
 
 void RunMeans::clear() noexcept {
@@ -199,7 +199,7 @@ void RunMeans::check_steady() noexcept {
     if (!ended_ && periods < next_check_) return;
     next_check_ = periods + between_checks;
     steady_ = steady_means(curve_, rule_);
-    ended_ = ended_ || steady_.steady() || steady_.sliding > 0.0;
+    ended_ = ended_ || steady_.steady() || steady_.sliding > 0.0 || steady_.astray;
 }
 
 Fault RunMeans::steady_fault() const noexcept {
@@ -297,7 +297,7 @@ struct Controlled {
     const bool uncertain = doubt == Doubt::few || doubt == Doubt::uncertain;
     return {std::abs(last.slip) > gross_slip && !stands,
             control.limited > often,
-            std::abs(control.missed) > (means.rule().controlled > 0.0 ? misses_held : misses) && !stands,
+            std::abs(control.missed) > (means.rule().holds_sheave() ? misses_held : misses) && !stands,
             last.swing > swings && !stands,
             last.loose > often,
             whole.beyond > 0.0,

@@ -266,7 +266,8 @@ engine::SavedState Tuner::settled_state(const TuneChoice& choice) {
     if (!run.objection.empty()) throw SimulationError(run.objection);
     const OperatingPoint& point = points_.front().point();
     const model::Parameters parameters = chosen_scene(point.scene, choice, 0.0).parameters;
-    turn_shaft(state, parameters, 0, -parameters.drive.speed.integral(point.from));  // the run begins at t = 0, and so does the governor
+    turn_shaft(state.state.data(), parameters, 0,
+               -parameters.drive.speed.integral(point.from));  // the run begins at t = 0, and so does the governor
     state.time = 0.0;
     const model::ChainLayout at = model::layout_of(parameters);
     state.state.resize(static_cast<std::size_t>(at.ledger_begin()));  // and the ledger

@@ -232,6 +232,29 @@ TEST_F(ContinuedBatch, GivesTheSameTableAfterAStopInACase) {
     EXPECT_EQ(column("start"), column("start", "whole"));
 }
 
+/// Cases that start from two lines, run by threads, shards and sessions.
+TEST_F(Batch, OfSteadyLinesGivesOneHashForThreadsShardsAndStops) {
+    write("sweep.toml",
+          "[sweep]\nscene = \"control\"\ndetail = \"rigid\"\n[set]\nstart.state = \"\"\nstart.settling_time = \"10 ms\"\nrun.until = "
+          "\"steady\"\nrun.steady = \"5 %\"\ncontrol.gains = \"found\"\ncontrol.when_steady = \"hold\"\nrun.output_interval = \"200 us\"\n"
+          "[[axes]]\nkey = \"drive.speed\"\nvalues = [\"4000 rpm\", \"4200 rpm\"]\n[[axes]]\nkey = \"clamping.driven\"\nvalues = [\"19 "
+          "kN\", \"20 kN\"]\n[[axes]]\nkey = \"load.torque\"\nvalues = [\"60 N*m\", \"70 N*m\", \"80 N*m\"]\n[outputs]\nscalars = [\"slip "
+          "mean\", \"ratio mean\"]\n[start]\nmode = \"settle\"\ncontinuation = \"load.torque\"\nacross = \"clamping.driven\"\ncheck = "
+          "0\n[steady]\nconfirm = 0\n");
+    const Outcome one = batch({"--threads", "1"});
+    ASSERT_EQ(one.status, 0) << one.err << one.out;
+    const auto starts = column("start");
+    for (const long number : {2L, 4L, 5L, 8L, 10L, 11L}) EXPECT_EQ(starts.at(number), "extrapolated") << number;
+    EXPECT_FALSE(exists("out/continuation"));
+    EXPECT_EQ(hash_in(run({"batch", "sweep.toml", "-o", "two", "--threads", "2"}).out), hash_in(one.out));
+    for (const char* shard : {"1/2", "2/2"}) ASSERT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--shard", shard}).status, 0);
+    EXPECT_EQ(hash_in(run({"merge", "cut"}).out), hash_in(one.out));
+    Child child({"batch", "sweep.toml", "-o", "stopped", "--threads", "1", "--grace", "1 us", "--checkpoint-every", "10 ms"}, folder_);
+    ASSERT_EQ(child.ended_when([&] { return exists("stopped/checkpoints/case-000004.h5"); }, SIGTERM).status, 130);
+    EXPECT_EQ(hash_in(run({"resume", "stopped"}).out), hash_in(one.out));
+    EXPECT_EQ(column("start", "stopped"), starts);
+}
+
 TEST_F(Batch, RecordsCasesIfAsked) {
     write_sweep("\"6 N*m\"");
     add_records();

@@ -50,8 +50,15 @@ engine::Permit permit_state(const std::string& file, const Sweep& sweep) {
 }
 
 void remove_case_files(const fs::path& checkpoints, const fs::path& continuation, const Sweep& sweep) {
-    engine::remove_own_files(checkpoints, states_named(R"((case|check)-\d{6,}\.h5(\.part)?)", sweep));
-    engine::remove_own_files(continuation, states_named(R"(strand-\d{6,}-[01]\.h5(\.part)?)", sweep));
+    engine::remove_own_files(checkpoints, states_named(R"((case|check|plain)-\d{6,}\.h5(\.part)?)", sweep));
+    engine::remove_own_files(continuation, states_named(R"(end-\d{6,}\.h5(\.part)?)", sweep));
+}
+
+void remove_ends(const fs::path& continuation, const Sweep& sweep, long strand) {
+    const auto is_end = states_named(R"(end-\d{6,}\.h5(\.part)?)", sweep);
+    engine::remove_own_files(continuation, [&](const fs::path& file) {
+        return is_end(file) && std::stol(file.filename().string().substr(4)) / sweep.strand() == strand;
+    });
 }
 
 namespace {

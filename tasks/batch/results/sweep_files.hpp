@@ -23,6 +23,9 @@ namespace cvtflow::tasks {
 /// sweep's inputs.
 void remove_case_files(const std::filesystem::path& checkpoints, const std::filesystem::path& continuation, const Sweep& sweep);
 
+/// Removes the ends of the cases of a strand likewise.
+void remove_ends(const std::filesystem::path& continuation, const Sweep& sweep, long strand);
+
 /// Notes in a table without rows what this program would fill it from. @throws as saved_start
 void set_origin(engine::CaseTable& table, const Sweep& sweep);
 

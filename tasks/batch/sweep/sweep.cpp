@@ -68,6 +68,7 @@ std::string Sweep::definition() const {
     lines += fmt::format("outputs.from = {}\n", number_text(from));
     lines += fmt::format("start.mode = {}\n", sweep_choices("start", "mode")[static_cast<std::size_t>(start)]);
     lines += fmt::format("start.continuation = {}\n", continuation);
+    if (!across.empty()) lines += fmt::format("start.across = {}\n", across);
     if (accuracy.target > 0.0)
         lines += fmt::format("accuracy.target = {}\naccuracy.verify = {}\naccuracy.seed = {}\n", number_text(accuracy.target),
                              accuracy.verify, accuracy.seed);
@@ -268,33 +269,40 @@ private:
     void start(const TableView& view) {
         sweep_.start = static_cast<StartMode>(view.choice("mode").value_or(0));
         if (const auto checked = view.integer("check", 0, 1'000'000)) sweep_.checked = static_cast<int>(*checked);
-        if (const auto key = view.text("continuation")) continuation(*key, view);
+        if (const auto key = view.text("continuation")) sweep_.line = steps("continuation", *key, view, 1, sweep_.continuation);
+        if (const auto key = view.text("across")) sweep_.lines = steps("across", *key, view, sweep_.line, sweep_.across);
     }
 
-    void continuation(const std::string& key, const TableView& view) {
-        sweep_.continuation = key;
+    /// Rows along which a key rises: of an axis, or of a csv axis every `stride`-th one.
+    long steps(const char* name, const std::string& key, const TableView& view, long stride, std::string& kept) {
+        kept = key;
         const auto problem = [&](const char* what) {
-            view.problem(view.find("continuation")->position, fmt::format("continuation: {} {}", toml_text(key), what));
+            view.problem(view.find(name)->position, fmt::format("{}: {} {}", name, toml_text(key), what));
+            return 1L;
         };
-        if (sweep_.axes.empty()) return problem("is not a key of the last axis");
-        const Axis& axis = sweep_.axes.back();
+        if (stride == 1 && name == std::string_view("across")) return problem("is about lines of a continuation");
+        const std::size_t last = sweep_.axes.size();
+        const bool inner = stride == 1 || (last > 0 && sweep_.axes.back().kind == "csv");
+        if (last < (inner ? 1u : 2u)) return problem("is not a key of the last axis");
+        const Axis& axis = sweep_.axes[last - (inner ? 1 : 2)];
         const auto found = std::ranges::find(axis.keys, key, &Parameter::key);
         if (found == axis.keys.end()) return problem("is not a key of the last axis");
-        sweep_.line = static_cast<long>(axis.rows());
-        if (axis.kind != "csv") return;
+        if (axis.kind != "csv") return static_cast<long>(axis.rows());
+        if (!inner) stride = 1;
+        const auto every = static_cast<std::size_t>(stride), rows = axis.rows() / every;
         const auto rises = [&](std::size_t row) {
             const auto at = [&](std::size_t r) {
-                return std::get_if<double>(&axis.at(r, static_cast<std::size_t>(found - axis.keys.begin())));
+                return std::get_if<double>(&axis.at(r * every, static_cast<std::size_t>(found - axis.keys.begin())));
             };
             return at(row) != nullptr && at(row - 1) != nullptr && *at(row) > *at(row - 1);
         };
-        std::size_t line = 1;
-        while (line < axis.rows() && rises(line)) ++line;
-        for (std::size_t row = 1; row < axis.rows(); ++row) {
-            if (rises(row) != (row % line != 0)) return problem("does not rise along lines of rows of equal length in the csv");
+        std::size_t length = 1;
+        while (length < rows && rises(length)) ++length;
+        for (std::size_t row = 1; row < rows; ++row) {
+            if (rises(row) != (row % length != 0)) return problem("does not rise along lines of rows of equal length in the csv");
         }
-        if (axis.rows() % line != 0) return problem("does not rise along lines of rows of equal length in the csv");
-        sweep_.line = static_cast<long>(line);
+        if (rows % length != 0) return problem("does not rise along lines of rows of equal length in the csv");
+        return static_cast<long>(length);
     }
 
     void consistent() {

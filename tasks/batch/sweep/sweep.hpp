@@ -40,7 +40,9 @@ struct Sweep {
     bool records = false;
     StartMode start = StartMode::scene;
     std::string continuation;  ///< key; empty: none
-    long line = 1;             ///< cases of a strand with continuation: rows of the last axis, or of a csv axis rows while the key rises
+    long line = 1;             ///< cases of a line with continuation: rows of the last axis, or of a csv axis rows while the key rises
+    std::string across;        ///< key along which lines follow each other; empty: none
+    long lines = 1;            ///< lines of a strand: rows of the axis before the last, or lines of a csv axis while that key rises
     int checked = 1;           ///< continued cases that are repeated without continuation
     SweepAccuracy accuracy;
     SweepConfirmation confirmation;
@@ -48,8 +50,8 @@ struct Sweep {
     /// Whether cases end when they are steady.
     [[nodiscard]] bool steady() const noexcept { return scene.run.until.automatic(); }
     [[nodiscard]] long cases() const noexcept;
-    /// Number of cases that follow each other by continuation; 1 without it. Cases [k strand, (k + 1) strand) are one strand.
-    [[nodiscard]] long strand() const noexcept { return continuation.empty() ? 1 : line; }
+    /// Number of cases that start from each other; 1 without continuation. Cases [k strand, (k + 1) strand) are one strand.
+    [[nodiscard]] long strand() const noexcept { return continuation.empty() ? 1 : line * lines; }
     /// Row of an axis that a case takes.
     [[nodiscard]] std::size_t row(long number, std::size_t axis) const noexcept;
     /// Gives the scene, which must be a copy of this->scene or of another case, the values of a case.

@@ -56,6 +56,8 @@ const std::vector<SweepKey> sweep_rows{
      "The scene's own start; every case settles; or settled once for all cases of one machine.", mode_choices},
     {"start", "continuation", SweepForm::text, "none",
      "Key of the last axis; along it, and in rows of a csv as long as it rises, a case starts from the end of the case before."},
+    {"start", "across", SweepForm::text, "none",
+     "Key of the axis before the last, or of the csv, along which lines of a continuation follow each other: their cases start by both."},
     {"start", "check", SweepForm::integer, "1",
      "Number of continued cases that also run from a settled start; the summary reports the difference."},
     {"steady", "confirm", SweepForm::integer, "5",

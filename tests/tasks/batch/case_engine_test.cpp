@@ -162,6 +162,37 @@ TEST_F(CaseOfAWorker, EndsWhenItIsSteady) {
     EXPECT_LT(early.balance_error_ratio, 1.0);
 }
 
+/// A line of loads whose last step is too far to be extrapolated: mean states of cases, moved along the line, make starts that are steady
+/// in less than half of the time, within what errors state.
+TEST_F(CaseOfAWorker, StartsFromMeanStatesOfTheCasesBefore) {
+    std::ofstream(folder_ / "s.toml")
+        << "[sweep]\nscene = \"control\"\ndetail = \"rigid\"\n[set]\nstart.state = \"\"\nstart.settling_time = \"30 ms\"\n"
+           "run.until = \"steady\"\ndrive.speed = \"4000 rpm\"\ncontrol.gains = \"found\"\ncontrol.when_steady = \"hold\"\n"
+           "run.output_interval = \"200 us\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [\"50 N*m\", \"60 N*m\", \"70 N*m\", "
+           "\"100 N*m\"]\n[outputs]\nscalars = [\"tight_tension mean\", \"friction_slip mean\", \"ratio mean\", "
+           "\"shaft_1/clamping mean / shaft_2/clamping mean\"]\n[start]\nmode = \"settle\"\ncontinuation = \"load.torque\"\n";
+    const Sweep sweep = written();
+    Worker worker(sweep, folder_);
+    std::vector<CaseResult> cases;
+    for (long number = 0; number < 4; ++number) {
+        cases.push_back(worker.engine.run(number));
+        ASSERT_EQ(cases.back().status, CaseStatus::ok) << cases.back().error;
+    }
+    const std::string_view starts[] = {"settled", "continued", "extrapolated", "continued"};
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(cases[k].start, starts[k]) << k;
+    const CaseResult alone = worker.engine.run_from_own_start(2);
+    ASSERT_EQ(alone.status, CaseStatus::ok) << alone.error;
+    EXPECT_LT(cases[2].settled_for, 0.5 * alone.settled_for);
+    for (std::size_t k = 0; k < 4; ++k) {
+        EXPECT_NEAR(cases[2].scalars[k], alone.scalars[k],
+                    std::hypot(cases[2].errors[k] * cases[2].scalars[k], alone.errors[k] * alone.scalars[k]))
+            << k;
+    }
+    Worker another(sweep, folder_);  // ends are in files
+    EXPECT_EQ(another.engine.run(2).hash, cases[2].hash);
+    EXPECT_EQ(another.engine.run(3).hash, cases[3].hash);
+}
+
 model::StartState start_with(const std::string& setting) { return model::start_state(claims::ready_scene("tiny", {setting}).parameters); }
 
 TEST(StartStates, PlacingDoesNotDependOnWhatIsDoneToTheVariatorOnceItStands) {

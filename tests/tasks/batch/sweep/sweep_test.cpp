@@ -285,8 +285,9 @@ TEST_F(SweepFile, ContinuesAlongLinesOfACsvWhileItsKeyRises) {
     const std::string line = "10, 20000\n20, 20000\n30, 20000\n";
     EXPECT_EQ(with(line + line + line + line), "none");
     EXPECT_EQ(read(sweep).strand(), 3);
-    EXPECT_EQ(with(line), "none");
-    EXPECT_EQ(read(sweep).strand(), 3);
+    const std::string across = sweep + "across = \"clamping.driven\"\n", tighter = "11, 30000\n22, 30000\n33, 30000\n";
+    EXPECT_EQ(with(line + tighter + line + tighter), "none");
+    EXPECT_EQ(read(across).strand(), 6);
     EXPECT_THAT(with(line + "10, 20000\n20, 20000\n"), HasSubstr("does not rise along lines of rows of equal length"));
     EXPECT_THAT(with(line + "10, 20000\n5, 20000\n30, 20000\n"), HasSubstr("does not rise along lines of rows of equal length"));
 }
