@@ -1,9 +1,6 @@
 #pragma once
-/// A ring of linear equations, each of an unknown and its two neighbours:
-///
-///     (own_i - back_i - on_i) x_i - back_i x_{i-1} - on_i x_{i+1} = rhs_i,     own_i > 2 (back_i + on_i), none of them negative
-///
-/// Eight lanes eliminate their parts of the ring side by side.
+/// A ring of linear equations, each of an unknown and its two neighbours, which eight lanes eliminate side by side:
+/// (own_i - back_i - on_i) x_i - back_i x_{i-1} - on_i x_{i+1} = rhs_i, own_i > 2 (back_i + on_i), none of them negative
 
 #include <algorithm>
 
