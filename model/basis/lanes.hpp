@@ -144,13 +144,14 @@ requires(W <= native_lanes) [[nodiscard]] inline Lanes<W> slide(const Lanes<W>& 
 /// Lanes from, from + 1, … of two vectors behind each other, 0 ≤ from < W.
 template <int from, int W>
 [[nodiscard, gnu::always_inline]] inline Lanes<W> lanes_across(const Lanes<W>& first, const Lanes<W>& second) noexcept {
-    constexpr int half = W / 2, within = from % half;
     if constexpr (W == native_lanes) {
         return slide<W, from>(first, second);
-    } else if constexpr (from < half) {
-        return {lanes_across<within, half>(first.low, first.high), lanes_across<within, half>(first.high, second.low)};
     } else {
-        return {lanes_across<within, half>(first.high, second.low), lanes_across<within, half>(second.low, second.high)};
+        constexpr bool begins_low = from < W / 2;
+        constexpr int within = from % (W / 2);
+        const auto &a = begins_low ? first.low : first.high, &b = begins_low ? first.high : second.low,
+                   &c = begins_low ? second.low : second.high;
+        return {lanes_across<within, W / 2>(a, b), lanes_across<within, W / 2>(b, c)};
     }
 }
 

@@ -1,9 +1,6 @@
 #pragma once
-/// A ring of linear equations, each of an unknown and its two neighbours:
-///
-///     (own_i - back_i - on_i) x_i - back_i x_{i-1} - on_i x_{i+1} = rhs_i,     own_i > 2 (back_i + on_i), none of them negative
-///
-/// Eight lanes eliminate their parts of the ring side by side.
+/// A ring of linear equations, each of an unknown and its two neighbours, which eight lanes eliminate side by side:
+/// (own_i - back_i - on_i) x_i - back_i x_{i-1} - on_i x_{i+1} = rhs_i, own_i > 2 (back_i + on_i), none of them negative
 
 #include <algorithm>
 
@@ -86,11 +83,7 @@ inline void solve_ring(const RingShares& shares, const RingRows& ring) noexcept 
     const auto present = [&](const double* row) { return select_greater<RingShares::lanes>(absent, none, none, read(row, 0)); };
     const int last = (shares.rows - 1) * RingShares::lanes;
     RingLanes free, behind, ahead;
-    const auto store = [&](int at) {
-        free.copy_to(ring.solution + at);
-        behind.copy_to(ring.lower + at);
-        ahead.copy_to(ring.upper + at);
-    };
+    const auto store = [&](int at) { free.copy_to(ring.solution + at), behind.copy_to(ring.lower + at), ahead.copy_to(ring.upper + at); };
     {
         const RingLanes back = present(ring.back), on = present(ring.on), inverse = 1.0 / (read(ring.own, 0) - back - on);
         free = present(ring.rhs) * inverse;

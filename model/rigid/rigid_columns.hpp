@@ -166,7 +166,7 @@ struct TipRows {
     [[nodiscard]] RowRange moments() const noexcept { return {offset_moment.x, moment_of_half[1]}; }
     [[nodiscard]] RowRange forces() const noexcept { return {normal[0], radial[3]}; }
     [[nodiscard]] RowRange remembered() const noexcept { return {remembered_speed[0], remembered_speed[3]}; }
-    /// What a pin that is no longer near loses, in two parts.
+    /// Rows that are cleared at a pin that is no longer near, in two parts.
     [[nodiscard]] std::array<RowRange, 2> written_rows() const noexcept {
         return {RowRange{stiffness[0], moment_of_half[1]}, RowRange{force.middle.x, radius[3]}};
     }

@@ -59,7 +59,7 @@ struct RigidKernels {
     using Tips = void (*)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                           RigidReaction& reaction, Account& account) noexcept;
     Tips tips;
-    /// The same of velocities as they are, after axial_rates(). @param sheaves [4]
+    /// Tips at velocities as they are, after axial_rates(). @param sheaves [4]
     Tips tips_now;
     /// Friction of the halves of a pin on each other, after the tips.
     void (*joint_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;

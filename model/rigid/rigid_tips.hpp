@@ -19,7 +19,7 @@ struct TipAccount {
     Lanes<W> damping{0.0}, friction{0.0}, plates{0.0};  ///< plates: as pins lengthen [W]
 };
 
-/// What is evaluated: a step of a leapfrog, with the friction at its end; or velocities as they are.
+/// Evaluation over a step of a leapfrog, with the friction at its end; or of velocities as they are.
 enum class Evaluation { step, instant };
 
 /// Tips of a block of pins.

@@ -14,7 +14,6 @@
 namespace cvtflow::tasks {
 namespace {
 
-
 Scene remembering(const std::string& name, std::vector<std::string> settings) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml", StartState::ignored);
     apply_detail(scene, "rigid");
