@@ -73,7 +73,7 @@ private:
 
 /// Folders in which a worker saves its work, and how often it does.
 struct CasePlaces {
-    std::filesystem::path checkpoints, records, continuation;
+    std::filesystem::path checkpoints{}, records{}, continuation{};
     double checkpoint_every = 60.0;  ///< [s]
     bool mixed = false;              ///< whether checkpoints may be of another version of the program
 };

@@ -22,15 +22,15 @@ inline constexpr double tuning_margin = 2.0;
 inline constexpr double reference_share = 0.25;
 
 struct TuneSettings {
-    double accuracy = 0.01;            ///< target error of every output
-    std::vector<std::string> outputs;  ///< figures or scalars; none: the usual figures
-    std::vector<std::string> levels;   ///< TuneChoice::detail of choices; none: all presets, and the scene's detail
-    std::vector<std::string> methods;  ///< METHOD or METHOD@STEP; none: those that "auto" chooses among
-    double budget = 0.0;               ///< wall time of the search, whatever it measures then; 0: no limit [s]
+    double accuracy = 0.01;              ///< target error of every output
+    std::vector<std::string> outputs{};  ///< figures or scalars; none: the usual figures
+    std::vector<std::string> levels{};   ///< TuneChoice::detail of choices; none: all presets, and the scene's detail
+    std::vector<std::string> methods{};  ///< METHOD or METHOD@STEP; none: those that "auto" chooses among
+    double budget = 0.0;                 ///< wall time of the search, whatever it measures then; 0: no limit [s]
     /// Rank by work alone and by the default method, so that every machine and every run chooses the same.
     bool same_everywhere = false;
     bool all = false;  ///< measure every choice at every point, those too that are more expensive than the chosen one
-    PointTimes times;
+    PointTimes times{};
     std::function<void(const std::string&)> progress;  ///< may be empty
 };
 

@@ -244,6 +244,8 @@ std::vector<std::string> one_of_each_family(bool programs) {
 
 /// Commands that are not in it, and why.
 const std::map<std::string, std::string> finds_methods{{"tune", "tries every method by itself, whatever the scene names (Tuner.*)"},
+                                                       {"reduce", "runs steady sweeps with the automatic method (Reduce.*)"},
+                                                       {"clamp", "runs steady sweeps with the automatic method (Reduce.*)"},
                                                        {"work", "counts instructions of a step, one by one (WorkCommand.*)"},
                                                        {"belt", "solves a theory of belts, without a method (BeltCommand.*)"},
                                                        {"sweep-cost", "runs sweeps, whose scenes name the method (SweepCostCommand.*)"},
