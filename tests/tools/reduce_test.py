@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import tomllib
 import types
 import unittest
@@ -210,6 +211,28 @@ class OfAScene(unittest.TestCase):
         done = cvtflow("reduce", "baseline", "-o", "others")
         self.assertEqual((done.returncode, Path("others/map.csv").read_text()), (1, "mine"), done.stderr)
         self.assertIn("contains files of others", done.stderr)
+
+    def test_takes_its_sweep_along_when_it_is_stopped(self):
+        def working():
+            """Processes in the folder of the sweeps."""
+            found = []
+            for process in Path("/proc").glob("[0-9]*/cwd"):
+                try:
+                    found += [process] * os.readlink(process).startswith(os.path.realpath("stopped"))
+                except OSError:  # it has ended, or belongs to others
+                    pass
+            return found
+
+        def eventually(condition):
+            end = time.monotonic() + 60
+            while not condition() and time.monotonic() < end:
+                time.sleep(0.05)
+            return condition()
+
+        with subprocess.Popen([CVTFLOW, "reduce", "baseline", "-o", "stopped"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as run:
+            self.assertTrue(eventually(working))
+            run.terminate()
+        self.assertTrue(eventually(lambda: not working()))
 
     def test_finds_clamping_forces_that_lose_less_than_a_safety_factor(self):
         Path("clamp.toml").write_text('ratio = [0.8, 1.25]\nload = [0, 0.45, 0.75]\nclamping = ["15 kN", "25 kN"]\n'

@@ -3,6 +3,7 @@
 Exit status 0; 1: the message states why; 2: an option is invalid.
 """
 
+import ctypes
 import gc
 import importlib
 import importlib.util
@@ -10,6 +11,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import sys
 import tempfile
 import types
@@ -54,12 +56,20 @@ def file_of(described):
     return os.fsdecode(described["file"].encode("latin-1"))
 
 
+def _end_with_program():
+    """Has SIGTERM end this process and the sweep that it runs, also when the program that started it is killed."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
+
+
 def main():
     gc.set_threshold(100_000)  # a process of two seconds: by default a tenth of them are searches for cycles
     request = json.load(sys.stdin.buffer)
     os.chdir("/")  # a matplotlibrc in the working folder has no effect
-    draws = request["command"] != "rainflow"
-    _require(["numpy"] + ["matplotlib"] * draws + ["h5py"] * ("records" in request or "axes" in request) + ["jinja2"] * (request["command"] == "report"))
+    draws, sweeps = request["command"] != "rainflow", "axes" in request
+    if sweeps:
+        _end_with_program()
+    _require(["numpy"] + ["matplotlib"] * draws + ["h5py"] * ("records" in request or sweeps) + ["jinja2"] * (request["command"] == "report"))
     _package()
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is a message
