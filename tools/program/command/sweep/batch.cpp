@@ -20,6 +20,7 @@
 #include "tasks/tuning/verified_sweep.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/output.hpp"
 #include "tools/program/program.hpp"
 #include "tools/program/progress.hpp"
 #include "tools/program/text/text.hpp"
