@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "model/observe/observation.hpp"
+#include "tests/claims/chain_view_fixture.hpp"
 #include "tests/claims/rig_fixture.hpp"
 #include "tests/sample_fixture.hpp"
 
