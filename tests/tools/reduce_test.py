@@ -130,7 +130,7 @@ class Fmus(unittest.TestCase):
         model.begin(**start)
         model.advance(0.1)
         for fmi in (2, 3):
-            made_up().write_fmu(f"one{fmi}.fmu", "one", fmi, "errors: 1 % < 2 %")
+            Path(f"one{fmi}.fmu").write_bytes(made_up().fmu("one", fmi, "errors: 1 % < 2 %")[0])
             self.assertEqual(validate_fmu(f"one{fmi}.fmu"), [])
             found = simulate_fmu(f"one{fmi}.fmu", stop_time=0.1, step_size=1e-3, start_values=start, output=["ratio", "efficiency"])
             self.assertAlmostEqual(found["ratio"][-1], model.get("ratio"), places=12)
@@ -138,12 +138,39 @@ class Fmus(unittest.TestCase):
 
     def test_compile_from_their_sources_without_a_warning(self):
         for fmi in (2, 3):
-            made_up().write_fmu("two.fmu", "two", fmi, "")
+            Path("two.fmu").write_bytes(made_up().fmu("two", fmi, "")[0])
             with zipfile.ZipFile("two.fmu") as file:
                 file.extractall(f"two{fmi}")
             done = subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Wno-unused-parameter", "-O2", "-shared", "-fPIC", "-o", "two.so",
                                    f"two{fmi}/sources/reduced.c", "-lm"], capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+
+class Files(unittest.TestCase):
+    def bench(self, program):
+        Path("program").write_text(f"#!/bin/sh\n{program}\n")
+        os.chmod("program", 0o755)
+        folder = tempfile.mkdtemp(dir=".")
+        return _reduce.Bench({"folder": os.path.abspath(folder), "program": os.path.abspath("program"), "scene": {}, "threads": 0,
+                              "detail": "rigid", "place": folder, "text": ""})
+
+    def test_are_not_written_through_links(self):
+        bench = self.bench("exit 0")
+        target = Path("target")
+        target.write_text("mine")
+        for name in ("map.mat", "baseline_fmi2.fmu"):
+            os.symlink(target.absolute(), os.path.join(bench.folder, name))
+            self.assertRaisesRegex(FileExistsError, "a link is not replaced", bench.write, name, b"new")
+        self.assertEqual(target.read_text(), "mine")
+
+    def test_of_a_run_that_failed_are_no_record(self):
+        bench = self.bench('for word; do [ "$before" = -o ] && echo half >"$word"; before="$word"; done; exit 3')
+        with self.assertRaises(RuntimeError):
+            bench.record("shift", {})
+        self.assertEqual([name for name in os.listdir(bench.runs) if name == "shift.h5"], [])
+        bench = self.bench('for word; do [ "$before" = -o ] && echo whole >"$word"; before="$word"; done')
+        bench.record("shift", {})
+        self.assertEqual(Path(bench.runs, "shift.h5").read_text(), "whole\n")
 
 
 def modelica_tables(text):

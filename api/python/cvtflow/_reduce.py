@@ -154,11 +154,13 @@ class Bench:
         return f"{0.6 * float(number):g} {unit}"
 
     def record(self, name, settings):
-        """Runs a ready scene with settings into NAME.h5, where that is missing."""
-        if not os.path.exists(os.path.join(self.runs, f"{name}.h5")):
+        """Runs a ready scene with settings into NAME.h5, where that is missing: it gets its name when the run has ended."""
+        path = os.path.join(self.runs, f"{name}.h5")
+        if not os.path.exists(path):
             begin = time.monotonic()
             words = [f"--set={key}={toml(value)}" for key, value in settings.items()]
-            self.call("run", name, "--detail", self.level, "-q", "-o", f"{name}.h5", *words)
+            self.call("run", name, "--detail", self.level, "-q", "-o", f"{name}_running.h5", *words)
+            os.replace(os.path.join(self.runs, f"{name}_running.h5"), path)
             self.report(f"{name:12} in {time.monotonic() - begin:.0f} s")
 
     def sweep(self, name, settings, rows, scalars, continued=False, detail=None):

@@ -226,11 +226,15 @@ def requested(request):
     bench.write("combi_table.txt", modelica_text(axes, torques, tables, safety))
     bench.write("advisor.m", matlab_text(axes, torques, tables, safety))
     bench.write("map.svg", picture(steady_map, request["name"]))
+    written = ["map.csv", "combi_table.txt", "advisor.m", "map.svg", "errors.txt"]
     try:
         from scipy.io import savemat
 
-        savemat(os.path.join(bench.folder, "map.mat"), {**{name.partition(" [")[0]: values for name, values in columns.items()},
-                                                        **{f"axis_{name}": axes[name] for name in ("speed", "clamping", "ratio", "load")}})
+        file = io.BytesIO()
+        savemat(file, {**{name.partition(" [")[0]: values for name, values in columns.items()},
+                       **{f"axis_{name}": axes[name] for name in ("speed", "clamping", "ratio", "load")}})
+        bench.write("map.mat", file.getvalue())
+        written.insert(1, "map.mat")
     except ImportError:
         errors.notes.append("map.mat: not written, SciPy is not installed (Debian: python3-scipy)")
     lines = [f"{request['name']}: {len(steady_map.points)} points, {steady_map.holes} of them without a steady case (edge of the map)",
@@ -240,11 +244,11 @@ def requested(request):
              errors.text(), f"1 ms steps: {_speed_factor(model, small):,.0f} times as fast as the clock"]
     for fmi in (2, 3):
         file = f"{request['name']}_fmi{fmi}.fmu"
-        systems = small.write_fmu(os.path.join(bench.folder, file), _identifier(request["name"]), fmi, "\n".join(lines[:3]))
-        lines.append(f"{file}: FMI {fmi}.0, {', '.join(systems)}, {os.path.getsize(os.path.join(bench.folder, file)) / 1e3:.0f} kB")
+        content, systems = small.fmu(_identifier(request["name"]), fmi, "\n".join(lines[:3]))
+        bench.write(file, content)
+        lines.append(f"{file}: FMI {fmi}.0, {', '.join(systems)}, {len(content) / 1e3:.0f} kB")
     bench.write("errors.txt", "\n".join(lines) + "\n")
-    lines.append(f"written to {request['place']}: map.csv, map.mat, combi_table.txt, advisor.m, map.svg, errors.txt and the FMUs, "
-                 f"in {time.monotonic() - begin:.0f} s")
+    lines.append(f"written to {request['place']}: {', '.join(written)} and the FMUs, in {time.monotonic() - begin:.0f} s")
     return ("\n".join(lines) + "\n").encode()
 
 

@@ -1,6 +1,7 @@
 """The reduced model in C (reduced.c): its variables, its table, its FMUs. A C compiler makes them."""
 
 import ctypes
+import io
 import math
 import os
 import shutil
@@ -109,11 +110,11 @@ class Small:
         """A running Model of it."""
         return Model(self.compiled(0), self.start)
 
-    def write_fmu(self, path, name, fmi, description):
-        """Writes an FMU for co-simulation. Returns the systems that it has libraries for."""
+    def fmu(self, name, fmi, description):
+        """The bytes of an FMU for co-simulation, and the systems that it has libraries for."""
         systems = {("x86_64-linux", "linux64", ".so"): "cc", ("x86_64-windows", "win64", ".dll"): "x86_64-w64-mingw32-gcc"}
-        place, made = "sources/", []
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        place, made, content = "sources/", [], io.BytesIO()
+        with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as file:
             file.writestr("modelDescription.xml", self._description(name, fmi, description))
             for (new, old, ending), compiler in systems.items():
                 if compiler == "cc" or shutil.which(compiler):
@@ -129,7 +130,7 @@ class Small:
                               '</SourceFileSet></BuildConfiguration></fmiBuildDescription>\n')
             file.writestr("documentation/index.html", "<!DOCTYPE html><meta charset=\"utf-8\"><title>Reduced variator</title><pre>"
                           + description.replace("&", "&amp;").replace("<", "&lt;") + "</pre>\n")
-        return made
+        return content.getvalue(), made
 
     def _description(self, name, fmi, description):
         rows, outputs = [], []
