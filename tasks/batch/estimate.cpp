@@ -163,7 +163,7 @@ double cost_of_repeated(const Sweep& sweep, const std::vector<long>& cases) {
     if (cases.empty()) return 0.0;
     const Scene scene = scene_of_case(sweep, cases[cases.size() / 2]);
     const CaseCosts costs(sweep);
-    return confirmed + checked > 0.0 ? (confirmed + checked) * costs.of_run(scene, false) : 0.0;
+    return (confirmed + checked) * costs.of_run(scene, false);
 }
 
 }  // namespace

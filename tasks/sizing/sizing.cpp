@@ -184,7 +184,7 @@ Sizing size_scene(const Scene& scene) {
         {"least safety", [](const SizedPoint& at) { return at.load == 0.0 ? -1.0 : 1.0 / at.factor(); }},
         {"largest S_2", [](const SizedPoint& at) { return at.clamping[1]; }},
         {"largest S_1", [](const SizedPoint& at) { return at.clamping[1] * std::pow(at.ratio, fall); }},
-        {"fastest shift", [](const SizedPoint& at) { return at.shift == 0.0 ? -1.0 : std::abs(at.shift) * at.clamping[1] / at.speed; }}};
+        {"fastest shift", [](const SizedPoint& at) { return at.speed == 0.0 ? -1.0 : std::abs(at.shift / at.speed) * at.clamping[1]; }}};
     std::vector<SizedPoint> all;
     const Pistons pistons(p);
     for (const double time : instants_of(scene)) {

@@ -103,6 +103,16 @@ class ModelInC(unittest.TestCase):
             model.begin(**{**inside, **change})
             self.assertEqual(model.get("outside"), bits, change)
 
+    def test_reports_a_shaft_that_stops_or_turns_back(self):
+        for speed in (0.0, -100.0):
+            model = made_up().load()
+            model.begin(speed_1=200.0, torque_2=20.0, clamping_1=20e3, clamping_2=20e3)
+            model.advance(0.01)
+            self.assertEqual(model.get("outside"), 0)
+            model.set(speed_1=speed)
+            model.advance(0.01)
+            self.assertEqual((int(model.get("outside")) & 8, model.get("shaft_1.speed")), (8, 1.0))
+
     def test_stops_a_tenth_beyond_its_map(self):
         for clamping, end in ((60e3, 0.45), (1e3, 2.2)):
             model = made_up().load()
@@ -256,7 +266,8 @@ class OfAScene(unittest.TestCase):
                 time.sleep(0.05)
             return condition()
 
-        with subprocess.Popen([CVTFLOW, "reduce", "baseline", "-o", "stopped"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as run:
+        words, silent = [CVTFLOW, "reduce", "baseline", "-o", "stopped"], subprocess.DEVNULL
+        with subprocess.Popen(words, stdout=silent, stderr=silent) as run:
             self.assertTrue(eventually(working))
             run.terminate()
         self.assertTrue(eventually(lambda: not working()))

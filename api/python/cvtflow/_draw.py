@@ -69,7 +69,8 @@ def main():
     draws, sweeps = request["command"] != "rainflow", "axes" in request
     if sweeps:
         _end_with_program()
-    _require(["numpy"] + ["matplotlib"] * draws + ["h5py"] * ("records" in request or sweeps) + ["jinja2"] * (request["command"] == "report"))
+    _require(["numpy"] + ["matplotlib"] * draws + ["h5py"] * ("records" in request or sweeps)
+             + ["jinja2"] * (request["command"] == "report"))
     _package()
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is a message

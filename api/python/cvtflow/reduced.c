@@ -105,7 +105,7 @@ static void evaluate(Reduced* m, int all) {
 static void advance_one(Reduced* m, double h) {
     double* v = m->v;
     double rise;
-    if (v[DRIVE_MODE] == 0.0 && v[SPEED_1] > 1.0) m->speed = v[SPEED_1];
+    if (v[DRIVE_MODE] == 0.0) m->speed = v[SPEED_1] > 1.0 ? v[SPEED_1] : 1.0; /* a shaft that stands is outside the map */
     if (m->known <= 0) evaluate(m, 0);
     if (v[DRIVE_MODE] != 0.0) {
         const double inertia = v[INERTIA_1] + v[INERTIA_2] / (m->ratio * m->ratio);
