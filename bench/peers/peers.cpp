@@ -18,6 +18,7 @@
 #include <stdexcept>
 
 #include "bench/executor/further_executors.hpp"
+#include "bench/lab/plot/plot.hpp"
 #include "bench/peers/solvers.hpp"
 #include "bench/study/error_measure.hpp"
 #include "bench/study/profile/other_load.hpp"
@@ -27,7 +28,6 @@
 #include "engine/base/provenance.hpp"
 #include "engine/executor/cancellation.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tools/program/plot/plot.hpp"
 
 namespace {
 

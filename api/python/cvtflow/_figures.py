@@ -468,7 +468,7 @@ _MARKS = {"none": "", "dot": "o", "small_dot": ".", "ring": "o", "square": "s", 
 
 
 def panel_of(received):
-    """A panel as the program sends it (tools/program/plot/chart.cpp)."""
+    """A panel as the program sends it (bench/lab/plot/chart.cpp)."""
     axes = [received[each] for each in "xy"]
     panel = Panel(received["title"], *(axis["label"] for axis in axes), height=received["height"] / 100.0)
     panel.scales = tuple(("symlog", axis["linear_up_to"]) if axis["scale"] == "symlog" else axis["scale"] for axis in axes)

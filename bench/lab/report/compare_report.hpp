@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/lab/plot/plot.hpp"
 #include "bench/study/error_measure.hpp"
-#include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::bench {
 

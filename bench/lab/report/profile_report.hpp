@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/lab/plot/plot.hpp"
 #include "bench/study/profile/profile.hpp"
-#include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::bench {
 

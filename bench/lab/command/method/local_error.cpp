@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bench/lab/command/command.hpp"
+#include "bench/lab/plot/plot.hpp"
 #include "bench/lab/settled_start.hpp"
 #include "bench/method/analysis/order.hpp"
 #include "bench/study/method_run.hpp"
@@ -20,7 +21,6 @@
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
-#include "tools/program/plot/plot.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 

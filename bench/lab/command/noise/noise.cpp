@@ -15,12 +15,12 @@
 #include <vector>
 
 #include "bench/lab/command/command.hpp"
+#include "bench/lab/plot/plot.hpp"
 #include "bench/study/noise/noise.hpp"
 #include "engine/executor/tbb/job_pool.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
-#include "tools/program/plot/plot.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 

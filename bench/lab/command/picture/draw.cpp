@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/lab/command/command.hpp"
+#include "bench/lab/plot/plot.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::bench {
 

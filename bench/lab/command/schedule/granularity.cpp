@@ -12,13 +12,13 @@
 
 #include "bench/executor/further_executors.hpp"
 #include "bench/lab/command/command.hpp"
+#include "bench/lab/plot/plot.hpp"
 #include "bench/study/granularity/granularity.hpp"
 #include "bench/study/profile/report.hpp"
 #include "engine/base/provenance.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
-#include "tools/program/plot/plot.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 

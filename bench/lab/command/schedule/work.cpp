@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
+#include "bench/lab/plot/plot.hpp"
 #include "bench/study/profile/counted_work.hpp"
 #include "engine/base/provenance.hpp"
 #include "model/kernels/available_isas.hpp"
@@ -12,7 +13,6 @@
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
-#include "tools/program/plot/plot.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {

@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
+#include "bench/lab/plot/plot.hpp"
 #include "bench/method/stability/step_limit.hpp"
 #include "bench/study/spectrum.hpp"
 #include "bench/study/stability/stable_step.hpp"
-#include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::bench {
 

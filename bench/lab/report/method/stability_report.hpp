@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "bench/lab/plot/plot.hpp"
 #include "bench/lab/report/method/spectrum_report.hpp"
 #include "bench/method/stability/program_stability.hpp"
 #include "bench/method/stability/step_limit.hpp"
 #include "bench/study/stability/stable_step.hpp"
 #include "tasks/method/method.hpp"
-#include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::bench {
 

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "bench/lab/plot/plot.hpp"
 #include "tools/program/drawing.hpp"
-#include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::tools {
 
