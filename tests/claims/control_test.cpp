@@ -34,8 +34,8 @@ TEST(Controllers, TheOneOfTheSafetyFactorBringsTheDrivenClampingForceToWhatTheor
 
 /// The second controller lets S_2 down to where the chain carries 1.2 times the load; the first one follows with S_1 and keeps the ratio.
 TEST(NightlyControllers, HoldRatioAndSafetyFactorAtOnce) {
-    const tasks::Scene scene = ready_scene(
-        "control", {"control.driven=safety", "control.safety=1.2", "control.driven_proportional=0", "control.driven_integral=2e6 N/s"});
+    const tasks::Scene scene = ready_scene("control", {"control.driven=safety", "control.safety=1.2", "control.driven_proportional=0",
+                                                       "control.driven_integral=2e6 N/s", "run.until=120 ms"});
     const Operation run(scene);
     ASSERT_FALSE(run.fault) << run.fault.message();
     const double end = run.time.back(), force = run.mean(run.clamping_driven, end - 20e-3, end);
