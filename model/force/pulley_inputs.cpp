@@ -16,9 +16,10 @@ constexpr double full_drag_speed = 1.0;  ///< below, dry drag is proportional to
 constexpr double following_time = 0.01;  ///< time constant of a controller's integral that follows a held sheave's force [s]
 
 /// S_1 of a sheave that is held [N]. block [unknowns of the pulleys]
-double holding_force(const HeldSheave& held, const PulleyCoordinates& at, const double* block) noexcept {
-    constexpr double stiffness = 1e9, damping = 3e4;  // [N/m, N*s/m]
-    const double moved = at.opening(block, 0) - held.opening, speed = at.opening(block + at.size(), 0);
+double holding_force(const HeldSheave& held, double t, const PulleyCoordinates& at, const double* block) noexcept {
+    constexpr double stiffness = 1e9, damping = 3e4, leading_time = 5e-3;  // [N/m, N*s/m, s]
+    const double led = held.offset * std::max(0.0, 1.0 - (t - held.since) / leading_time);
+    const double moved = at.opening(block, 0) - held.opening - led, speed = at.opening(block + at.size(), 0);
     return std::max(0.0, held.force + stiffness * moved + damping * speed);
 }
 
@@ -182,7 +183,7 @@ Inputs PulleyInputs::requested(double t, const double* tail) const noexcept {
     for (int k = 0; k < controllers_; ++k) {
         const Governing& by = governing_[static_cast<std::size_t>(k)];
         if (const auto& held = torques_.held().sheave; held && by.quantity == ControlledQuantity::ratio) {
-            const double found = holding_force(*held, coordinates(), tail) - clamping[0];
+            const double found = holding_force(*held, t, coordinates(), tail) - clamping[0];
             if (by.integral > 0.0) in.control_rate[0] = (found / by.integral - tail[2 * coordinates().size()]) / following_time;
             clamping[0] += found;
             continue;

@@ -69,8 +69,10 @@ struct CouplingState {
 
 /// The driving sheave at a place, in place of ratio control: a stiff damped spring makes its clamping force.
 struct HeldSheave {
-    double opening = 0.0;  ///< w_h of the driving groove [m]
+    double opening = 0.0;  ///< o_h of the driving groove [m]
     double force = 0.0;    ///< S_h there [N]
+    double offset = 0.0;   ///< opening over o_h where the spring takes over: the place is led to o_h from there [m]
+    double since = 0.0;    ///< time at which the spring takes over [s]
     bool operator==(const HeldSheave&) const = default;
 };
 

@@ -10,14 +10,18 @@ namespace {
 
 /// Where control has led the driving sheave: its mean in the last half of that time, moved by what the ratio was off
 /// (model/EQUATIONS.md section 8).
-[[nodiscard]] model::HeldSheave sheave_of(const RunMeans& means, const Workspace& w) noexcept {
+[[nodiscard]] model::HeldSheave sheave_of(const RunMeans& means, const Simulation& simulation) noexcept {
+    const Workspace& w = simulation.workspace();
     const model::Parameters& p = w.parameters;
     const auto last = static_cast<std::size_t>(means.rule().controlled);
     const MeanPoint &begin = means.curve().points()[last / 2], &end = means.curve().points()[last];
     const double target = end.mean_since(begin, Mean::target);
     model::HeldSheave held{end.mean_since(begin, Mean::opening), end.mean_since(begin, Mean::clamping)};
     const auto is = model::chain_radii(p, end.ratio_since(begin)), aimed = model::chain_radii(p, target);
-    if (is && aimed) held.opening += (is->driving - aimed->driving) / w.variator.pulleys().coordinates().narrowing();
+    const model::PulleyCoordinates& at = w.variator.pulleys().coordinates();
+    if (is && aimed) held.opening += (is->driving - aimed->driving) / at.narrowing();
+    held.offset = at.opening(w.state() + w.layout().pulley_begin(), 0) - held.opening;
+    held.since = simulation.time();
     return held;
 }
 
@@ -68,7 +72,7 @@ bool RunLoop::sheave_due() const noexcept {
 
 void RunLoop::hold_sheave() {
     model::HeldInputs held = simulation_->workspace().variator.pulleys().torques().held();
-    held.sheave = sheave_of(means_, simulation_->workspace());
+    held.sheave = sheave_of(means_, *simulation_);
     simulation_->hold(held);
 }
 

@@ -34,7 +34,7 @@ void couple(Workspace& w, double time, std::vector<double>& couplings) {
         couplings.insert(couplings.end(), {from.since, from.angle, from.zero});
 }
 
-/// @param numbers IntegrationState::couplings [none, 6 or 8]
+/// @param numbers IntegrationState::couplings [none, 6 or 10]
 void restore_couplings(model::Variator& variator, std::span<const double> numbers) {
     model::HeldInputs held = variator.pulleys().torques().held();
     held.coupled = !numbers.empty();
@@ -45,7 +45,7 @@ void restore_couplings(model::Variator& variator, std::span<const double> number
         numbers = numbers.subspan(3);
     }
     held.sheave.reset();
-    if (!numbers.empty()) held.sheave = {numbers[0], numbers[1]};
+    if (!numbers.empty()) held.sheave = {numbers[0], numbers[1], numbers[2], numbers[3]};
     variator.hold(held);
 }
 
@@ -225,7 +225,7 @@ const IntegrationState& RunPart::integration_state() const {
 void RunPart::inputs_changed() {
     if (const auto& sheave = workspace_.variator.pulleys().torques().held().sheave) {
         saved_.couplings.resize(6);
-        saved_.couplings.insert(saved_.couplings.end(), {sheave->opening, sheave->force});
+        saved_.couplings.insert(saved_.couplings.end(), {sheave->opening, sheave->force, sheave->offset, sheave->since});
     }
     workspace_.energy.inputs_changed(time_, true);
     if (saved_.started && !controller_) workspace_.energy.save(saved_.energy);

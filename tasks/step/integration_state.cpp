@@ -54,7 +54,7 @@ const char* IntegrationState::invalid_reason() const noexcept {
     if (check.reason != nullptr) return check.reason;
     if (!std::isfinite(time)) return "its time is not finite";
     const auto finite = [](double value) { return std::isfinite(value); };
-    if ((!couplings.empty() && couplings.size() != 6 && couplings.size() != 8) || !std::all_of(couplings.begin(), couplings.end(), finite))
+    if ((!couplings.empty() && couplings.size() != 6 && couplings.size() != 10) || !std::all_of(couplings.begin(), couplings.end(), finite))
         return "its couplings have no valid reference";
     if (!started) return nullptr;
     const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0; };

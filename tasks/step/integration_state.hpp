@@ -32,8 +32,8 @@ struct IntegrationState {
     std::vector<double> energy;                 ///< works, losses and balance so far, from EnergyLedger::save()
     std::vector<double> step_choice;            ///< memory of the automatic step, from save(); empty for given steps
     std::vector<double> heat;                   ///< temperatures and what they balance, from HeatBalance::save(); empty without
-    std::vector<double> couplings;  ///< [6 or 8] angles of both shafts since couplings took over: since, angle, zero; empty: not yet;
-                                    ///< opening and force of a sheave that is held
+    std::vector<double> couplings;  ///< [6 or 10] angles of both shafts since couplings took over: since, angle, zero; empty: not yet;
+                                    ///< numbers of a sheave that is held
     std::vector<double> method;     ///< memory of a method, from StepMethod::save(); empty for one-step methods
 
     bool operator==(const IntegrationState&) const = default;

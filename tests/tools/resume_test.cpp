@@ -63,7 +63,7 @@ TEST_F(Resume, ContinuesARunUntilItIsSteadyBitForBit) {
                       "--set",   "control.when_steady=hold",
                       "--until", "steady"};
     ASSERT_EQ(run(Words{"run"} + scene + Words{"-o", "whole.h5"}).status, 0);
-    for (const std::string steps : {"2000", "9000"}) {
+    for (const std::string steps : {"2000", "3800", "9000"}) {
         const Outcome cut =
             run(Words{"run"} + scene + Words{"-o", "cut.h5", "--checkpoint-every", "1 h", "--set", "run.max_steps=" + steps});
         ASSERT_EQ(cut.status, 4) << cut.err;
