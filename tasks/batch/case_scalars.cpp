@@ -126,10 +126,16 @@ void CaseScalars::write_steady(std::size_t i, CaseResult& result) const {
     if (means.batches == 0) return;
     result.settled_for = means_.all().begin;
     if (!scalar.averages() || result.scalars[i] == 0.0) return;
-    const double value = result.scalars[i], scale = scalar.error_scale(value),
-                 unseen = scalar.is("ratio") ? means.unseen_ratio : means.unseen;
-    const double smallest = scalar.is("slip") ? min_plain_slip : scalar.is("friction_slip") ? min_steady_slip : 0.0;
-    result.errors[i] = means.off_target + std::hypot(unseen * std::max(scale, smallest), error_of_mean(values).sum()) / scale;
+    const double value = result.scalars[i], scale = scalar.error_scale(value);
+    const bool slips = scalar.is("slip") || scalar.is("friction_slip"), off_target = scalar.is("control/error");
+    const bool of_ratio = scalar.is("ratio") || off_target;
+    const double smallest = scalar.is("slip") ? min_plain_slip : scalar.is("friction_slip") ? min_steady_slip : off_target ? 1.0 : 0.0;
+    const double size = std::max(scale, smallest), unseen = of_ratio ? means.unseen_ratio : means.unseen;
+    const double by_slip = of_ratio ? size : scalar.is("efficiency") ? 1.0 : 0.0;  // what a slip of all changes of it
+    const double slipping = slips ? scale : by_slip * std::abs(means.error[5].mean);
+    MeanError error = error_of_mean(values);
+    if (slipping > 0.0 && !of_ratio) error.drift *= means.to_come;
+    result.errors[i] = means.off_target + std::hypot(unseen * size, means.unseen_slip * slipping, error.sum()) / scale;
 }
 
 void CaseScalars::save(std::vector<double>& memory) const {

@@ -182,7 +182,7 @@ struct Block {
 };
 constexpr std::string_view quantities[] = {"ratio", "thrust ratio",     "tight tension", "slack tension",
                                            "slip",  "slip by friction", "losses",        "efficiency"};
-constexpr std::size_t losses = 6, efficiency = 7;
+constexpr std::size_t slip = 4, friction_slip = 5, losses = 6, efficiency = 7;
 
 [[nodiscard]] Block block_of(const MeanPoint& begin, const MeanPoint& end) noexcept {
     const auto mean = [&](Mean quantity, std::size_t k = 0) { return end.mean_since(begin, quantity, k); };
@@ -279,6 +279,35 @@ namespace {
     return std::sqrt(squares / static_cast<double>(points.size() - 2));
 }
 
+/// Slip settles as shaft 2 loses speed until the chain carries the load: tau = J omega / (dT/ds). Towards the torque that the grip of an
+/// arc allows, slip grows without bound: (dT/ds) s/T, the share of that torque that is left, vanishes, and small changes of what the chain
+/// carries become large ones of slip.
+void judge_slip(const MeanPoint& begin, const MeanPoint& end, const SteadyRule& rule, SteadyMeans& means) noexcept {
+    constexpr double least_left = 0.01, unseen_load = 0.25;  // unseen change of what the chain carries, over the tolerance
+    const double torque = std::abs(end.mean_since(begin, Mean::torque, 1)), speed = std::abs(end.mean_since(begin, Mean::speed, 1));
+    const double clamping = std::min(end.mean_since(begin, Mean::clamping, 0), end.mean_since(begin, Mean::clamping, 1));
+    const double allowed = rule.grip * clamping * end.mean_since(begin, Mean::radius, 1);
+    if (!(rule.inertia * torque > 0.0 && allowed > 0.0)) return;
+    const double left = std::max(least_left, 1.0 - torque / allowed), slipping = std::abs(means.error[friction_slip].mean);
+    const double settling = rule.inertia * speed * slipping / (torque * left);
+    means.to_come = std::max(1.0, 1.0 / std::expm1((end.time - begin.time) / std::max(settling, 1e-9)));
+    means.unseen_slip = unseen_load * rule.tolerance * (1.0 - left) / left;
+}
+
+/// Adds what does not show of a slip near its limit. @param held  the sheave is, so that the ratio follows
+void add_unseen_slip(SteadyMeans& means, bool held) noexcept {
+    const double of_power = means.unseen_slip * std::abs(means.error[friction_slip].mean);
+    const double power = means.error[losses].mean / std::max(1e-9, 1.0 - means.error[efficiency].mean);
+    const auto add = [&](std::size_t quantity, double unseen) {
+        means.error[quantity].drift = std::hypot(means.error[quantity].drift, unseen);
+    };
+    for (const std::size_t quantity : {slip, friction_slip}) add(quantity, means.unseen_slip * std::abs(means.error[quantity].mean));
+    if (held) add(0, of_power * std::abs(means.error[0].mean));
+    if (!std::isfinite(power)) return;
+    add(losses, of_power * std::abs(power));
+    add(efficiency, of_power);
+}
+
 void fill_errors(std::span<const Block> blocks, MeanErrors& errors) noexcept {
     errors.batches = blocks.size();
     for (std::size_t quantity = 0; quantity < MeanErrors::count; ++quantity) {
@@ -361,6 +390,8 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
     fill_errors({blocks.data(), batches}, means);
     const MeanPoint &begin = points[means.begin], &end = points.back();
     add_rails(begin, end, means);
+    judge_slip(begin, end, rule, means);
+    for (const std::size_t quantity : {slip, friction_slip, losses, efficiency}) means.error[quantity].drift *= means.to_come;
     const bool held = rule.holds_ratio && end.mean_since(begin, Mean::limited) <= often_limited;
     means.off_target = held ? std::abs(end.mean_since(begin, Mean::missed)) : 0.0;
     means.astray = rule.brief > 0.0 && means.off_target > misses_held;
@@ -372,6 +403,7 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
         error.drift += means.off_target * std::abs(quantity == efficiency ? 1.0 - error.mean : error.mean);
     }
     means.judge(rule.tolerance, held && !rule.holds_sheave() ? share_of_ratio : 1.0, min_steady_slip, efficiency);
+    add_unseen_slip(means, rule.holds_sheave());
     judge_swing(points.subspan(means.begin), means);
     const MeanPoint& middle = points[means.begin + batches / 2 * means.batch];
     const double earlier = std::abs(middle.mean_since(begin, Mean::friction_slip));
