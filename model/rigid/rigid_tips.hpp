@@ -285,7 +285,7 @@ private:
 inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                        RigidReaction& reaction, Account& account) noexcept {
     find_near_pins(c, sheaves, kick, columns);
-    if (c.remembers()) columns.wrap(columns.tip.remembered());
+    if (c.remembers()) wrap(columns, columns.tip.remembered());
     TipSums<rigid_singles, Evaluation::step> sums(c, kick);
     PinBlock waiting{0, 0};
     const int beyond = over_near_pins(columns, [&](const PinBlock& block) {
@@ -295,6 +295,7 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
     if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
     finish_near_pins(columns, beyond);
     if (c.remembers()) columns.unwrap(columns.tip.remembered(), beyond);
+    wrap(columns, {columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
     sums.store(c, reaction, account);
 }
 
@@ -304,6 +305,7 @@ inline void press_tips_now(const RigidCoefficients& c, const SheaveMotion* sheav
     TipSums<rigid_lanes, Evaluation::instant> sums(c, kick);
     unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) { sums.add(c, sheaves, kick, columns, {block}); }));
     columns.tip.blocks_before[-1] = -1.0;
+    wrap(columns, {columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
     sums.store(c, reaction, account);
 }
 
@@ -341,6 +343,7 @@ inline void axial_rates(const RigidCoefficients& c, const SheaveMotion* sheaves,
 
 /// M_i = n_i·(A_i g_i + A_{i+1} g_{i+1}) + moments of the tips on the halves that turn with pitch line i.
 inline void tip_moments(RigidColumns& columns) noexcept {
+    wrap(columns, columns.tip.moments());
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane normal = turned(read(columns.line.direction, i));
         const Plane lean = read(columns.tip.offset_moment, i) + read(columns.tip.offset_moment, i + 1);
@@ -348,6 +351,7 @@ inline void tip_moments(RigidColumns& columns) noexcept {
         write(columns.tip.moment, i,
               dot(normal, lean) + read(columns.tip.moment_of_half[1], i) + read(columns.tip.moment_of_half[0], i + 1));
     }
+    wrap(columns, {columns.tip.moment, columns.tip.moment_before});
 }
 
 }  // namespace
