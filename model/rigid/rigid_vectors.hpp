@@ -166,8 +166,8 @@ template <int W>
 /// @param capacity C = μ N, most friction [N]   @param response r of the sliding velocity to friction [m/s/N]
 /// @param speed |u| of the velocity without friction [m/s]
 template <int W>
-[[nodiscard]] inline Lanes<W> friction_factor(const FrictionCurve& curve, const Lanes<W>& capacity, const Lanes<W>& response,
-                                              const Lanes<W>& speed) noexcept {
+[[nodiscard, gnu::always_inline]] inline Lanes<W> friction_factor(const FrictionCurve& curve, const Lanes<W>& capacity,
+                                                                  const Lanes<W>& response, const Lanes<W>& speed) noexcept {
     const Lanes<W> braking = response * capacity;
     if (curve.law == FrictionLaw::piecewise) {  // the speed is known: D = max(|u| - r C, v0)
         return capacity / larger<W>(speed, curve.saturation_speed + braking);
