@@ -17,17 +17,20 @@ struct RingShares {
     static constexpr int lanes = 8;
     int equations, rows;
 
+    /// Number in row 0 of a lane, where that row is absent that of the lane before.
+    std::array<int, lanes> first;
+
     explicit RingShares(int of_ring) noexcept
         : equations(of_ring >= lanes ? of_ring : (lanes + of_ring - 1) / of_ring * of_ring),
-          rows(std::max(2, (equations + lanes - 1) / lanes)) {}
+          rows(std::max(2, (equations + lanes - 1) / lanes)) {
+        for (int lane = 0; lane < lanes; ++lane) first[std::size_t(lane)] = begin(lane + 1) - rows;
+    }
 
     [[nodiscard]] int begin(int lane) const noexcept { return equations * lane / lanes; }
-    /// Number in row 0 of a lane, where that row is absent that of the lane before.
-    [[nodiscard]] int first(int lane) const noexcept { return begin(lane + 1) - rows; }
     /// 1 for lanes whose row 0 is absent. No lane lacks more.
     [[nodiscard]] Lanes<lanes> absent() const noexcept {
         Lanes<lanes> all;
-        for (int lane = 0; lane < lanes; ++lane) all.set(static_cast<std::size_t>(lane), first(lane) < begin(lane) ? 1.0 : 0.0);
+        for (std::size_t lane = 0; lane < lanes; ++lane) all.set(lane, first[lane] < begin(static_cast<int>(lane)) ? 1.0 : 0.0);
         return all;
     }
     /// Copies numbers into rows, in squares of the processor's vectors. In a ring that is repeated, numbers beyond the last one are copies.
@@ -35,16 +38,22 @@ struct RingShares {
         Lanes<native_lanes> square[native_lanes];
         for (int lane = 0; lane < lanes; lane += native_lanes) {
             for (int row = 0; row < rows; row += native_lanes) {
-                for (int k = 0; k < native_lanes; ++k) square[k] = load<native_lanes>(numbers + first(lane + k) + row);
+                for (int k = 0; k < native_lanes; ++k) square[k] = load<native_lanes>(numbers + first[std::size_t(lane + k)] + row);
                 transpose<native_lanes>(square);
                 for (int k = 0; k < std::min(native_lanes, rows - row); ++k) square[k].copy_to(to + (row + k) * lanes + lane);
             }
         }
     }
+    /// Copies rows to numbers, the last rows first: what a square has beyond its lane is overwritten by the lane behind, or lies beyond the
+    /// last number.
     void from_rows(const double* from, double* numbers) const noexcept {
-        for (int lane = 0; lane < lanes; ++lane) {
-            for (int number = begin(lane); number < begin(lane + 1); ++number)
-                numbers[number] = from[(number - first(lane)) * lanes + lane];
+        Lanes<native_lanes> square[native_lanes];
+        for (int lane = 0; lane < lanes; lane += native_lanes) {
+            for (int row = (rows - 1) / native_lanes * native_lanes; row >= 0; row -= native_lanes) {
+                for (int k = 0; k < native_lanes; ++k) square[k] = load<native_lanes>(from + std::min(row + k, rows - 1) * lanes + lane);
+                transpose<native_lanes>(square);
+                for (int k = 0; k < native_lanes; ++k) square[k].copy_to(numbers + first[std::size_t(lane + k)] + row);
+            }
         }
     }
 };

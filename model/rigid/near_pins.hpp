@@ -123,7 +123,11 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
 /// Clears the tips' numbers of pins that are no longer near; moves those of a block that reached beyond the last pin to the first pins.
 inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
     const auto rows = columns.tip.written_rows();
-    for (const RowRange& part : rows) columns.unwrap(part, beyond);
+    const PinLanes copied = first_lanes(beyond);
+    for (const RowRange& part : rows) {  // RigidColumns::unwrap() by vectors
+        for (Row row = part.first; beyond > 0 && row <= part.last; row += columns.stride())
+            write(row, 0, select_greater<rigid_lanes>(copied, PinLanes(0.0), read(row, columns.pins()), read(row, 0)));
+    }
     double *blocks = columns.tip.blocks, *before = columns.tip.blocks_before;
     const int count = static_cast<int>(blocks[-1]);
     if (std::equal(blocks - 1, blocks + count, before - 1)) return;
@@ -150,7 +154,7 @@ inline void unwrap_tips(RigidColumns& columns, int beyond) noexcept {
 /// @return number of copies
 template <class Press>
 [[nodiscard]] inline int over_near_pins(RigidColumns& columns, const Press& press) noexcept {
-    columns.wrap(columns.tip.near);
+    wrap(columns, columns.tip.near);
     const double* near = columns.tip.near;
     const int pins = columns.pins(), begin = first_near_pin(near, pins);
     double* const blocks = columns.tip.blocks;
@@ -162,8 +166,8 @@ template <class Press>
         if (skip) continue;
         if (pin + rigid_lanes > pins) {
             beyond = pin + rigid_lanes - pins;
-            columns.wrap(columns.force.rows());
-            columns.wrap(columns.tip.forces());
+            wrap(columns, columns.force.rows());
+            wrap(columns, columns.tip.forces());
         }
         blocks[count++] = pin;
         press(PinBlock{pin, rigid_lanes});

@@ -61,7 +61,8 @@ void probe_links(const ChainModel& model, const double* states, int links, const
 
 ChainKernels RigidChain::kernels() noexcept { return {slopes, observed_slopes, probe_links}; }
 
-RigidChain::RigidChain(const Parameters& parameters, Isa isa) : model_(parameters, isa), columns_(model_.columns()), strip_(rigid_lanes) {}
+RigidChain::RigidChain(const Parameters& parameters, Isa isa)
+    : model_(parameters, isa), columns_(model_.columns()), strip_(2 * rigid_lanes) {}
 
 RigidInstant RigidChain::evaluate(const double* blocks, const SheaveMotion* sheaves) const noexcept {
     model_.read(blocks, columns_);
@@ -95,7 +96,7 @@ void RigidChain::probe(const double* states, int links, const SheaveMotion* shea
         for (int k = 0; k < 2 * rigid_coordinates; ++k) {
             const double scale = model_.scale(k % rigid_coordinates);
             const int place = rigid_place(at, k % rigid_coordinates) + (k < rigid_coordinates ? 0 : at.link_size());
-            for (int pin = 0; pin <= rigid_lanes; ++pin)
+            for (int pin = 0; pin < strip_.padded(); ++pin)
                 (k < rigid_coordinates ? x[at_row(k)] : v[at_row(k - rigid_coordinates)])[pin] =
                     scale * states[(first + std::min(pin, count + 2) - 1) * at.link_block() + place];
         }
@@ -132,24 +133,17 @@ void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, 
 
 void RigidModel::link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     f.account = {};
-    columns.wrap({columns.position.middle.x, columns.velocity.bend.y});
     kernels_.pitch_lines(columns);
-    columns.wrap(columns.line.rows());
     kernels_.rolling_frames(coefficients_, columns);
-    columns.wrap(columns.rolling.rows());
     kernels_.link_forces(coefficients_, kick, columns, f.account);
-    columns.wrap(columns.link.rows());
     kernels_.joint_forces(coefficients_, kick, columns, f.account);
-    columns.wrap({columns.joint.offset_moment.x, columns.joint.bend_moment});
     kernels_.sum_link_forces(columns);
     if (coefficients_.guide.present) kernels_.guide(coefficients_, kick, columns, f.account);
 }
 
 void RigidModel::plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     if (sheaves != nullptr && !kick.implicit()) kernels_.axial_rates(coefficients_, sheaves, columns);
-    columns.wrap(columns.tip.lengthening);
     kernels_.plate_friction(coefficients_, kick, columns, f.account);
-    columns.wrap(columns.joint.friction);
 }
 
 void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
@@ -157,14 +151,11 @@ void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, 
     if (sheaves == nullptr) return;
     const auto press = kick.implicit() ? kernels_.tips : kernels_.tips_now;
     press(coefficients_, sheaves, kick, columns, f.reaction, f.account);
-    columns.wrap(columns.tip.moments());
-    columns.wrap({columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
 }
 
 void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     kernels_.joint_friction(coefficients_, kick, columns, f.account);
     kernels_.moments(columns);
-    columns.wrap({columns.tip.moment, columns.tip.moment_before});
     kernels_.accelerate(coefficients_, columns);
 }
 

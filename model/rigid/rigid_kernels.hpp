@@ -37,7 +37,7 @@ struct RigidSums {
     double creep_power = 0.0;              ///< [W]
 };
 
-/// Each function reads and writes columns of all pins; the caller renews the copies of neighbours in between.
+/// Each function reads and writes columns of all pins, and renews the copies of neighbours that it or the next one reads.
 struct RigidKernels {
     /// Pitch lines by coordinates and velocities.
     void (*pitch_lines)(RigidColumns& columns) noexcept;

@@ -10,6 +10,7 @@ namespace cvtflow::model {
 namespace {
 
 inline void pitch_lines(RigidColumns& columns) noexcept {
+    wrap(columns, {columns.position.middle.x, columns.velocity.bend.y});
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane chord = read(columns.position.middle, i + 1) - read(columns.position.middle, i);
         const Plane rate = read(columns.velocity.middle, i + 1) - read(columns.velocity.middle, i);
@@ -21,6 +22,7 @@ inline void pitch_lines(RigidColumns& columns) noexcept {
         write(columns.line.turn_ahead, i, 2.0 * turn - read(columns.line.turn, i));
         write(columns.line.turn, i, turn);
     }
+    wrap(columns, columns.line.rows());
 }
 
 /// A f = along f - across b (b·f): change of the halves' offset by a change f of the sum of the directions.
@@ -49,6 +51,7 @@ inline void rolling_frames(const RigidCoefficients& c, RigidColumns& columns) no
         write(columns.rolling.offset_rate, i, parting_by(columns.line.turn));
         write(columns.rolling.offset_ahead, i, parting_by(columns.line.turn_ahead));
     }
+    wrap(columns, columns.rolling.rows());
 }
 
 /// Place of a link's halves against each other, and its rates.
@@ -150,6 +153,7 @@ struct LinkSums {
 inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
     LinkSums sums(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) link_force(c, kick, columns, i, sums);
+    wrap(columns, columns.link.rows());
     account.store(Energy::plates, sums.plates.value());
     account.store(Energy::pack, sums.pack.value());
     account.lose(Loss::plate_damping, sums.damping.value());
@@ -190,6 +194,7 @@ inline void joint_forces(const RigidCoefficients& c, const RigidKick& kick, Rigi
         write(columns.joint.normal, i, pressing);
         lost.add(i, drag_power(kick, columns.joint.rolling_moment, i, strip * friction, bending));
     }
+    wrap(columns, {columns.joint.offset_moment.x, columns.joint.bend_moment});
     account.lose(Loss::joint_friction, lost.value());
     account.lose(Loss::inner, inner.value());
     account.store(Energy::inner, bent.value());

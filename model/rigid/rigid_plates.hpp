@@ -16,7 +16,7 @@ namespace {
 /// halves of pin i stick together, a of a pin's speed per force over the step [m/s/N].
 inline void solve_friction(RigidColumns& columns) noexcept {
     const RingShares shares(columns.pins());
-    columns.wrap({columns.plate.rhs, columns.plate.on});
+    wrap(columns, {columns.plate.rhs, columns.plate.on});
     const RingRows& ring = columns.ring;
     const PlateRows& plate = columns.plate;
     shares.to_rows(plate.rhs, ring.rhs);
@@ -25,7 +25,7 @@ inline void solve_friction(RigidColumns& columns) noexcept {
     shares.to_rows(plate.on, ring.on);
     solve_ring(shares, ring);
     shares.from_rows(ring.solution, plate.friction);
-    columns.wrap(plate.friction);
+    wrap(columns, plate.friction);
 }
 
 /// Sliding speed that the lengthening of both pins adds at the plates at +z, and subtracts at those at -z [m/s].
@@ -75,7 +75,7 @@ inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, RigidC
         write(columns.joint.secant, i, held);
         write(columns.joint.coupling, i, per_slide * held);
     }
-    columns.wrap({columns.joint.free_slip, columns.joint.tip_force_slide_expected});
+    wrap(columns, {columns.joint.free_slip, columns.joint.tip_force_slide_expected});
 }
 
 /// Friction of the halves of a pin on each other along it, after that of the plates on both and with the expected forces of the tips.
@@ -87,6 +87,7 @@ inline void joint_friction_expected(const RigidCoefficients& c, const RigidKick&
         write(columns.joint.free_slip, i, drive);
         write(columns.joint.friction, i, read(columns.joint.secant, i) * drive);
     }
+    wrap(columns, columns.joint.friction);
 }
 
 /// Updates the friction of the joints with the tips' forces of this step.
@@ -144,6 +145,7 @@ inline void grip_plates(const RigidCoefficients& c, const RigidKick& kick, const
 inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
     PinSum lost(columns);
     const PinLanes per_mass(kick.step / c.mass);
+    wrap(columns, columns.tip.lengthening);
     free_slips(c, kick, columns);
     grip_plates(c, kick, columns);
     if (kick.implicit()) solve_friction(columns);
@@ -158,7 +160,7 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
         write(columns.plate.slip_high, i, slide + parting);
     }
     account.lose(Loss::plate_friction, lost.value());
-    columns.wrap({columns.plate.friction, columns.plate.moment});
+    wrap(columns, {columns.plate.friction, columns.plate.moment});
     joint_friction_expected(c, kick, columns);
 }
 

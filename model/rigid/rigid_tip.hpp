@@ -3,6 +3,7 @@
 /// along z as its half moves. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
+#include <array>
 
 #include "model/rigid/tip_motion.hpp"
 
@@ -35,15 +36,13 @@ struct TipBounds {
         farthest = smaller<W>(touching, farthest);
     }
     void store(const RigidCoefficients& c, RigidReaction& to) const noexcept {
-        const DoublesOf<W> deep = widened<W>(deepest), close = widened<W>(nearest), away = widened<W>(farthest);
-        double near = 0.0, far = 1e30;
-        for (std::size_t lane = 0; lane < static_cast<std::size_t>(lane_count<W>); ++lane) {
-            to.deepest = std::max(to.deepest, deep[lane]);
-            near = std::max(near, close[lane]);
-            far = std::min(far, away[lane]);
-        }
-        to.innermost = 1.0 / near - c.outward;
-        to.outermost = 1.0 / far - c.outward;
+        std::array<NumberOf<W>, lane_count<W>> all;
+        const auto most = [&](const Lanes<W>& lanes) -> double {
+            return lanes.copy_to(all.data()), *std::max_element(all.begin(), all.end());
+        };
+        to.deepest = most(deepest);
+        to.innermost = 1.0 / most(nearest) - c.outward;
+        to.outermost = -1.0 / most(-farthest) - c.outward;
     }
 };
 
@@ -53,12 +52,12 @@ template <int W>
 [[gnu::always_inline]] inline void place_tip(const RigidCoefficients& c, const TipNumbers<W>& n, const HalfMotion<W>& half,
                                              const SideMotion<W>& sheave, TipPlace<W>& tip) noexcept {
     const PlaneOf<W> arm = half.centre + sheave.arm;
-    const Lanes<W> sunk = half.rise + Lanes<W>(sheave.side) * half.bend_rise;
-    const Lanes<W> arm_z = sheave.z - sunk - Lanes<W>(sheave.side) * n.inward;
+    const Lanes<W> sunk = half.rise + sheave.side * half.bend_rise;
+    const Lanes<W> arm_z = sheave.z - sunk - sheave.side * n.inward;
     const PlaneOf<W> moved{sheave.arm.x - sheave.tilt_y * arm_z, sheave.arm.y + sheave.tilt_x * arm_z}, l = half.centre + moved;
     const Lanes<W> distance = sqrt(dot(l, l)), sum = distance + half.distance, inverse = 1.0 / (distance * sum);
     const Lanes<W> more_a = dot(moved, half.centre + l) * (distance * inverse);  // |l| - |centre|
-    const Lanes<W> more_h = Lanes<W>(sheave.side) * (sunk + sheave.tilt_x * arm.y - sheave.tilt_y * arm.x);
+    const Lanes<W> more_h = sheave.side * (sunk + sheave.tilt_x * arm.y - sheave.tilt_y * arm.x);
     const Lanes<W> a = half.excess + more_a, h = sheave.height + more_h;
     const Lanes<W> bent_a = n.inverse_reach * a, bent_h = n.inverse_reach * h;
     tip.depth =
@@ -68,7 +67,7 @@ template <int W>
     tip.out = c.sine + bent_a;
     tip.in = c.cosine + bent_h;
     const PlaneOf<W> local = tip.out * tip.radial;
-    const Lanes<W> local_z = Lanes<W>(-sheave.side) * tip.in;
+    const Lanes<W> local_z = -sheave.side * tip.in;
     tip.normal = {local.x + sheave.tilt_y * local_z, local.y - sheave.tilt_x * local_z};
     tip.normal_z = local_z + sheave.tilt_x * local.y - sheave.tilt_y * local.x;
     tip.tilting_x = arm.y * local_z - arm_z * local.y;
@@ -84,7 +83,7 @@ template <int W>
 [[nodiscard, gnu::always_inline]] inline Lanes<W> depth_rate(const HalfMotion<W>& half, const SideMotion<W>& sheave, const TipPlace<W>& tip,
                                                              const Lanes<W>& lead) noexcept {
     const PlaneOf<W> moved = half.velocity + sheave.sphere_velocity;
-    const Lanes<W> moved_z = sheave.velocity_z - half.rise_rate - Lanes<W>(sheave.side) * half.bend_rise_rate;
+    const Lanes<W> moved_z = sheave.velocity_z - half.rise_rate - sheave.side * half.bend_rise_rate;
     const Lanes<W> around = cross(tip.radial, moved);
     const Lanes<W> turning = lead * tip.out * (around * around) * tip.inverse_radius;
     return sheave.spin_x * tip.tilting_x + sheave.spin_y * tip.tilting_y - dot(tip.normal, moved) - tip.normal_z * moved_z - turning;
@@ -104,8 +103,8 @@ struct RigidNormalForce {
 /// steps, which leave rounding of both.
 /// @param depth δ_0 [m], ≤ 0: no contact   @param rate δ_0' [m/s]
 template <int W>
-[[nodiscard, gnu::always_inline]] inline RigidNormalForce<W> rigid_normal_force(const TipNumbers<W>& c, const Lanes<W>& depth,
-                                                                                const Lanes<W>& rate) noexcept {
+[[gnu::always_inline]] inline void rigid_normal_force(const TipNumbers<W>& c, const Lanes<W>& depth, const Lanes<W>& rate,
+                                                      RigidNormalForce<W>& n) noexcept {
     const Lanes<W> root = sqrt(positive_part<W>(depth)), u = c.softness * root;
     const Lanes<W> p = 1.0 + u * (1.33761 + 0.1541 * u), q = 1.0 + u * (1.83676 + 0.46388 * u);
     const Lanes<W> up = u * p, pq = p * q, inverse = 1.0 / (pq * (2.0 * q + 3.0 * up));
@@ -116,13 +115,11 @@ template <int W>
         yielding = 3.0 * by / slope;
     }
     const Lanes<W> y = root * phi, square = y * y;
-    RigidNormalForce<W> n;
     n.root_depth = y;
     n.elastic = c.hertz * square * y;
     n.force = n.elastic * positive_part<W>(1.0 + c.damping * rate);
     n.energy = n.elastic * square * (0.4 + 0.5 * (u * phi));
     n.shortening = c.per_cosine * yielding;
-    return n;
 }
 
 /// Sliding velocity or friction along the circumference and along the flank (radially).
@@ -140,9 +137,9 @@ struct RigidSlip {
 
 /// Components along circumference and flank of a velocity of the pin against the sheave.
 template <int W>
-[[nodiscard, gnu::always_inline]] inline RigidSlip<W> slip_of(double side, const TipPlace<W>& tip, const PlaneOf<W>& v,
+[[nodiscard, gnu::always_inline]] inline RigidSlip<W> slip_of(const Lanes<W>& side, const TipPlace<W>& tip, const PlaneOf<W>& v,
                                                               const Lanes<W>& v_z) noexcept {
-    return {cross(tip.radial, v), tip.in * dot(tip.radial, v) + Lanes<W>(side) * (tip.out * v_z)};
+    return {cross(tip.radial, v), tip.in * dot(tip.radial, v) + side * (tip.out * v_z)};
 }
 
 /// Sliding velocity. The sphere's centre moves almost like the sheave there: the difference is taken in doubles.
@@ -155,7 +152,7 @@ template <int W>
     const PlaneOf<W> spinning = turned(half.turn * sheave.sphere + (c.radius * (half.lag + sheave.faster)) * tip.normal);
     const PlaneOf<W> v = centre + spinning - PlaneOf<W>{sheave.spin_y * tip.point_z, -(sheave.spin_x * tip.point_z)};
     const Lanes<W> surface_z = sheave.spin_x * tip.point.y - sheave.spin_y * tip.point.x;
-    return slip_of<W>(sheave.side, tip, v, sheave.velocity_z + half.ahead - Lanes<W>(sheave.side) * shortening_rate - surface_z);
+    return slip_of<W>(sheave.side, tip, v, sheave.velocity_z + half.ahead - sheave.side * shortening_rate - surface_z);
 }
 
 /// Force of a tip on its pin: friction, and the normal force N_G, which includes the effect of friction on the half pin's shortening.
@@ -168,11 +165,12 @@ struct RigidTipForce {
 
 /// @param pull Λ/4: a tip's part of the plates' force that lengthens the pin [N]
 template <int W>
-[[nodiscard, gnu::always_inline]] inline RigidTipForce<W> rigid_tip_force(double side, const TipPlace<W>& tip, const RigidNormalForce<W>& n,
-                                                                          const Lanes<W>& pull, const RigidSlip<W>& friction) noexcept {
+[[nodiscard, gnu::always_inline]] inline RigidTipForce<W> rigid_tip_force(const Lanes<W>& side, const TipPlace<W>& tip,
+                                                                          const RigidNormalForce<W>& n, const Lanes<W>& pull,
+                                                                          const RigidSlip<W>& friction) noexcept {
     RigidTipForce<W> f;
     f.friction = friction.tangential * turned(tip.radial) + (friction.radial * tip.in) * tip.radial;
-    f.friction_z = Lanes<W>(side) * (friction.radial * tip.out);
+    f.friction_z = side * (friction.radial * tip.out);
     f.normal = n.force + n.shortening * (friction.radial * tip.out + pull);
     f.push = f.normal * tip.normal;
     f.push_z = f.normal * tip.normal_z;
@@ -187,17 +185,17 @@ struct RigidTipForces {
     Lanes<W> z[2] = {0.0, 0.0}, moment[2] = {0.0, 0.0};
 
     /// Virtual work of a tip's force on the coordinates of its pin and on the direction of its half.
-    [[gnu::always_inline]] void add(const TipNumbers<W>& c, double side, const HalfMotion<W>& on, std::size_t which,
+    [[gnu::always_inline]] void add(const TipNumbers<W>& c, const Lanes<W>& side, const HalfMotion<W>& on, std::size_t which,
                                     const RigidTipForce<W>& f) noexcept {
         half[which] = half[which] + (f.push + f.friction);
         z[which] += f.push_z + f.friction_z;
         const PlaneOf<W> at_end = c.lever * f.push + f.friction, at_bend = c.bend_lever * f.push + f.friction;
-        end = end + Lanes<W>(side) * at_end - (c.outward_per_half * f.push_z) * on.outward;
-        bend = bend + at_bend - (Lanes<W>(side) * c.bent_outward_per_half * f.push_z) * on.outward;
+        end = end + side * at_end - (c.outward_per_half * f.push_z) * on.outward;
+        bend = bend + at_bend - (side * c.bent_outward_per_half * f.push_z) * on.outward;
     }
-    [[gnu::always_inline]] void add_moment(const TipNumbers<W>& c, double side, const HalfMotion<W>& on, std::size_t which,
+    [[gnu::always_inline]] void add_moment(const TipNumbers<W>& c, const Lanes<W>& side, const HalfMotion<W>& on, std::size_t which,
                                            const TipPlace<W>& tip, const RigidTipForce<W>& f) noexcept {
-        const Lanes<W> slope = on.slope_along + Lanes<W>(side) * on.bend_along;
+        const Lanes<W> slope = on.slope_along + side * on.bend_along;
         moment[which] += c.outward * (dot(f.push, on.line) - slope * f.push_z) + cross(tip.reach, f.friction);
     }
 };

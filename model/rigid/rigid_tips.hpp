@@ -33,10 +33,13 @@ class TipGroup {
 public:
     [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
                                     const RigidKick& kick, RigidColumns& columns, const typename PinBlocks<W>::Blocks& blocks) noexcept
-        : c_(c), n_(numbers), kick_(kick), pins_(columns, blocks), tip_(columns.tip), motion_(c, numbers, sheaves, kick, pins_) {}
+        : c_(c), n_(numbers), kick_(kick), pins_(columns, blocks), tip_(columns.tip), motion_(c, numbers, sheaves, kick, pins_) {
+        for (std::size_t k = 0; k < rigid_tips; ++k)
+            tips_[k].half = &motion_.half(k), tips_[k].side = &motion_.side(k), tips_[k].number = k;
+    }
 
     [[gnu::always_inline]] void place() noexcept {
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) place_tip<W>(c_, n_, motion_.half(tip), motion_.side(tip), tips_[tip]);
+        for (Tip& tip : tips_) place_tip<W>(c_, n_, *tip.half, *tip.side, tip);
     }
 
     [[nodiscard]] bool free() const noexcept {
@@ -45,16 +48,16 @@ public:
     }
 
     void bound(TipBounds<W>& bounds) const noexcept {
-        for (const TipPlace<W>& tip : tips_) bounds.add(tip);
+        for (const Tip& tip : tips_) bounds.add(tip);
     }
 
-    [[nodiscard]] D depth(std::size_t tip) const noexcept { return widened<W>(tips_[tip].depth); }
+    [[nodiscard]] D depth(std::size_t k) const noexcept { return widened<W>(tips_[k].depth); }
     void show_depths() noexcept {
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) pins_.write(tip_.depth[tip], depth(tip));
+        for (std::size_t k = 0; k < rigid_tips; ++k) pins_.write(tip_.depth[k], depth(k));
     }
 
     void release() noexcept {
-        pins_.over_blocks([&](auto block) {
+        pins_.over_blocks([&](int block) {
             for (const RowRange& part : tip_.written_rows()) pins_.columns().clear(part, pins_[block].first, rigid_lanes);
         });
     }
@@ -63,18 +66,20 @@ public:
         motion_.read_rates(sheaves);
         V stored(0.0), damped(0.0), shortened(0.0);
         AxialResponse<W> response[2];
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const HalfMotion<W>& half = motion_.half(tip);
-            const SideMotion<W>& side = motion_.side(tip);
-            const V rate = depth_rate<W>(half, side, tips_[tip], V(-0.5 * kick_.step));
-            RigidNormalForce<W>& n = normal_[tip] = rigid_normal_force<W>(n_, tips_[tip].depth, rate);
+        for (Tip& tip : tips_) {
+            const V rate = depth_rate<W>(*tip.half, *tip.side, tip, V(-0.5 * kick_.step));
+            RigidNormalForce<W>& n = tip.normal;
+            rigid_normal_force<W>(n_, tip.depth, rate, n);
             const V shortening = n.shortening * rate;
-            begin_[tip] = tip_slip<W>(n_, half, side, tips_[tip], shortening);
+            tip.begin = tip_slip<W>(n_, *tip.half, *tip.side, tip, shortening);
+            tip.old = {convert<W>(pins_.read(tip_.tangential[tip.number])), convert<W>(pins_.read(tip_.radial[tip.number]))};
             shortened += shortening;
-            response[half_of_tip(tip)].add(tips_[tip], n, rate);
-            pins_.write(tip_.normal[tip], widened<W>(n.force));
+            response[half_of_tip(tip.number)].add(tip, n, rate);
+            pins_.write(tip_.normal[tip.number], widened<W>(n.force));
             stored += n.energy;
-            damped += damping_power(tip_.damping_force[tip], n.force - n.elastic, rate);
+            const V drag = n.force - n.elastic;  // as in drag_power()
+            damped += (implicit ? 0.5 * (drag + convert<W>(pins_.read(tip_.damping_force[tip.number]))) : drag) * rate;
+            pins_.write(tip_.damping_force[tip.number], widened<W>(drag));
         }
         pins_.write(tip_.lengthening, widened<W>(V(-0.25) * shortened));
         store(response);
@@ -90,9 +95,9 @@ public:
     [[gnu::always_inline]] void predict() noexcept {
         if (!implicit) return;
         RigidTipForces<W> total;
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const RigidTipForce<W> force = rigid_tip_force<W>(motion_.side(tip).side, tips_[tip], normal_[tip], pull_, memory(tip));
-            total.add(n_, motion_.side(tip).side, motion_.half(tip), half_of_tip(tip), force);
+        for (const Tip& tip : tips_) {
+            const RigidTipForce<W> force = rigid_tip_force<W>(tip.side->side, tip, tip.normal, pull_, tip.old);
+            total.add(n_, tip.side->side, *tip.half, half_of_tip(tip.number), force);
         }
         velocity_change_ = n_.per_mass * (convert<W>(pins_.read(pins_.columns().force.middle)) + total.half[0] + total.half[1]);
         end_velocity_change_ = n_.per_tilt * (convert<W>(pins_.read(pins_.columns().force.end)) + total.end);
@@ -112,13 +117,14 @@ public:
         typename ReactionSum<W>::Sides on_side;
         V rubbed(0.0);
         for (auto& forces : on_side) forces.fill(V(0.0));
-        for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const RigidTipForce<W> force =
-                rigid_tip_force<W>(motion_.side(tip).side, tips_[tip], normal_[tip], pull_, friction(tip, rubbed));
-            total.add(n_, motion_.side(tip).side, motion_.half(tip), half_of_tip(tip), force);
-            total.add_moment(n_, motion_.side(tip).side, motion_.half(tip), half_of_tip(tip), tips_[tip], force);
-            add_on_sheave<W>(tips_[tip], force, on_side[end_of_tip(tip)]);
-            show(tip, force);
+        for (const Tip& tip : tips_) {
+            const RigidTipForce<W> force = rigid_tip_force<W>(tip.side->side, tip, tip.normal, pull_, friction(tip, rubbed));
+            total.add(n_, tip.side->side, *tip.half, half_of_tip(tip.number), force);
+            total.add_moment(n_, tip.side->side, *tip.half, half_of_tip(tip.number), tip, force);
+            add_on_sheave<W>(tip, force, on_side[end_of_tip(tip.number)]);
+            pins_.write(tip_.radius[tip.number], widened<W>(sqrt(dot(tip.point, tip.point))));
+            pins_.write(tip_.sheave_outward[tip.number], widened<W>(-(dot(force.push, tip.radial) + dot(force.friction, tip.radial))));
+            pins_.write(tip_.sheave_axial[tip.number], widened<W>(-(force.push_z + force.friction_z)));
         }
         const V here = pins_.present();
         account.friction += here * rubbed;
@@ -127,69 +133,59 @@ public:
     }
 
 private:
-    /// drag_power() in the width W.
-    [[nodiscard, gnu::always_inline]] V damping_power(Row row, const V& force, const V& rate) noexcept {
-        const V acting = implicit ? 0.5 * (force + convert<W>(pins_.read(row))) : force;
-        pins_.write(row, widened<W>(force));
-        return acting * rate;
-    }
-
-    [[gnu::always_inline]] void show(std::size_t tip, const RigidTipForce<W>& f) noexcept {
-        const TipPlace<W>& place = tips_[tip];
-        pins_.write(tip_.radius[tip], widened<W>(sqrt(dot(place.point, place.point))));
-        pins_.write(tip_.sheave_outward[tip], widened<W>(-(dot(f.push, place.radial) + dot(f.friction, place.radial))));
-        pins_.write(tip_.sheave_axial[tip], widened<W>(-(f.push_z + f.friction_z)));
-    }
-
-    /// Friction of the last step.
-    [[nodiscard]] RigidSlip<W> memory(std::size_t tip) const noexcept {
-        return {convert<W>(pins_.read(tip_.tangential[tip])), convert<W>(pins_.read(tip_.radial[tip]))};
-    }
+    struct Tip : TipPlace<W> {
+        const HalfMotion<W>* half;
+        const SideMotion<W>* side;
+        std::size_t number;
+        RigidNormalForce<W> normal;
+        RigidSlip<W> begin;  ///< sliding velocity at the beginning of the step [m/s]
+        RigidSlip<W> old;    ///< friction of the last step [N]
+    };
 
     /// Sliding velocity after the change of the velocities: the pin has moved by half a step as well.
-    [[nodiscard]] RigidSlip<W> slip_now(std::size_t tip) const noexcept {
-        const SideMotion<W>& side = motion_.side(tip);
-        const PlaneV ends = velocity_change_ + bend_velocity_change_ + (V(side.side) * end_velocity_change_ - side.moved_on);
+    [[nodiscard]] RigidSlip<W> slip_now(const Tip& tip) const noexcept {
+        const SideMotion<W>& side = *tip.side;
+        const PlaneV ends = velocity_change_ + bend_velocity_change_ + (side.side * end_velocity_change_ - side.moved_on);
         const PlaneV change = ends - side.turned_by * turned(velocity_change_);
-        return begin_[tip] + slip_of<W>(side.side, tips_[tip], change, velocity_change_z_[half_of_tip(tip)]);
+        return tip.begin + slip_of<W>(side.side, tip, change, velocity_change_z_[half_of_tip(tip.number)]);
     }
 
     /// Friction at the end of the step, one contact of a pin after the other, each with the velocities after those before it. The velocity
     /// after the friction of the last step is corrected by r times the change of friction, r the contact's response.
-    [[nodiscard, gnu::always_inline]] RigidSlip<W> friction(std::size_t tip, V& lost) noexcept {
-        const RigidSlip<W> old = memory(tip);
-        const RigidSlip<W> free = implicit ? slip_now(tip) - n_.response * old : begin_[tip];
+    [[nodiscard, gnu::always_inline]] RigidSlip<W> friction(const Tip& tip, V& lost) noexcept {
+        const RigidSlip<W>& old = tip.old;
+        const RigidSlip<W> free = implicit ? slip_now(tip) - n_.response * old : tip.begin;
         const V speed = sqrt(free.tangential * free.tangential + free.radial * free.radial);
-        const V factor = friction_factor<W>(c_.tip_friction, friction_limit(tip, old, speed), n_.response, speed);
+        const V factor = friction_factor<W>(c_.tip_friction, friction_limit(tip, speed), n_.response, speed);
         const RigidSlip<W> force = (-factor) * free;
-        const RigidSlip<W> mean = implicit ? V(0.5) * (free + n_.response * force + begin_[tip]) : free;
+        const RigidSlip<W> mean = implicit ? V(0.5) * (free + n_.response * force + tip.begin) : free;
         lost += -(force.tangential * mean.tangential + force.radial * mean.radial);
-        pins_.write(tip_.tangential[tip], widened<W>(force.tangential));
-        pins_.write(tip_.radial[tip], widened<W>(force.radial));
-        pins_.write(tip_.grip[tip], widened<W>(implicit ? factor / (1.0 - n_.response * factor) : factor));
+        pins_.write(tip_.tangential[tip.number], widened<W>(force.tangential));
+        pins_.write(tip_.radial[tip.number], widened<W>(force.radial));
+        pins_.write(tip_.grip[tip.number], widened<W>(implicit ? factor / (1.0 - n_.response * factor) : factor));
         if (implicit) follow(tip, force - old);
         return force;
     }
 
     /// Largest friction of a tip, by its law at the speed under friction, or at the remembered one.
-    /// @param old friction of the last step   @param v speed without friction
-    [[nodiscard, gnu::always_inline]] V friction_limit(std::size_t tip, const RigidSlip<W>& old, const V& v) noexcept {
-        const RigidNormalForce<W>& n = normal_[tip];
+    /// @param v speed without friction
+    [[nodiscard, gnu::always_inline]] V friction_limit(const Tip& tip, const V& v) noexcept {
+        const RigidNormalForce<W>& n = tip.normal;
         const V limit = c_.tip_friction.coefficient * n.force;
         if (c_.tip_law == nullptr) return limit;
         const V full = limit * pressure_factor<W>(*c_.tip_law, n.root_depth), slowest(implicit ? c_.tip_friction.saturation_speed : 0.0);
-        if (c_.tip_law->memory > 0.0) return full * speed_factor<W>(*c_.tip_law, remember(tip, old));
+        if (c_.tip_law->memory > 0.0) return full * speed_factor<W>(*c_.tip_law, remember(tip));
         return full * speed_factor<W>(*c_.tip_law, braked_speed<W>(*c_.tip_law, n_.response * full, v, slowest));
     }
 
     /// Remembered speed now. A tip without friction in the last step, and one at an instant, remembers its present speed.
-    [[nodiscard, gnu::always_inline]] V remember(std::size_t tip, const RigidSlip<W>& old) noexcept {
-        const Row row = tip_.remembered_speed[tip];
-        const RigidSlip<W>& slip = begin_[tip];
+    [[nodiscard, gnu::always_inline]] V remember(const Tip& tip) noexcept {
+        const Row row = tip_.remembered_speed[tip.number];
+        const RigidSlip<W>& slip = tip.begin;
         const V speed = sqrt(slip.tangential * slip.tangential + slip.radial * slip.radial);
         V remembered = speed;
         if (implicit) {
-            const V rubbed = abs(old.tangential) + abs(old.radial);
+            const V rubbed = abs(tip.old.tangential) + abs(tip.old.radial);
             const V follows =
                 remembered_speed<W>(*c_.tip_law, c_.tip_friction.saturation_speed, kick_.step, convert<W>(pins_.read(row)), speed);
             remembered = select_greater<W>(rubbed, V(0.0), follows, speed);
@@ -199,15 +195,14 @@ private:
     }
 
     /// Changes the velocities by a change of a tip's friction.
-    [[gnu::always_inline]] void follow(std::size_t tip, const RigidSlip<W>& change) noexcept {
-        const TipPlace<W>& place = tips_[tip];
-        const PlaneV f = change.tangential * turned(place.radial) + (change.radial * place.in) * place.radial;
+    [[gnu::always_inline]] void follow(const Tip& tip, const RigidSlip<W>& change) noexcept {
+        const PlaneV f = change.tangential * turned(tip.radial) + (change.radial * tip.in) * tip.radial;
         velocity_change_ = velocity_change_ + n_.per_mass * f;
-        end_velocity_change_ = end_velocity_change_ + (V(motion_.side(tip).side) * n_.per_tilt) * f;
+        end_velocity_change_ = end_velocity_change_ + (tip.side->side * n_.per_tilt) * f;
         bend_velocity_change_ = bend_velocity_change_ + n_.per_bend * f;
-        const V along = (V(motion_.side(tip).side) * n_.per_mass) * (change.radial * place.out), apart = free_share_ * along;
-        velocity_change_z_[half_of_tip(tip)] += along + apart;
-        velocity_change_z_[1 - half_of_tip(tip)] += along - apart;
+        const V along = (tip.side->side * n_.per_mass) * (change.radial * tip.out), apart = free_share_ * along;
+        velocity_change_z_[half_of_tip(tip.number)] += along + apart;
+        velocity_change_z_[1 - half_of_tip(tip.number)] += along - apart;
     }
 
     [[gnu::always_inline]] void store(const AxialResponse<W> (&of_half)[2]) noexcept {
@@ -219,7 +214,7 @@ private:
     }
     [[gnu::always_inline]] void store(const RigidTipForces<W>& total) noexcept {
         const PlaneV opening = V(0.5) * (total.half[0] - total.half[1]), sum = total.half[0] + total.half[1];
-        pins_.over_blocks([&](auto block) {
+        pins_.over_blocks([&](int block) {
             const int first = pins_[block].first;
             const Plane parting{pins_.piece(widened<W>(opening.x), block), pins_.piece(widened<W>(opening.y), block)};
             write(tip_.offset_moment, first, read_rolling(pins_.columns(), first) * parting);
@@ -240,17 +235,15 @@ private:
     RigidTipMotion<W> motion_;
     PlaneV velocity_change_, end_velocity_change_, bend_velocity_change_;  ///< changes in this step [m/s]
     V velocity_change_z_[2], free_share_;  ///< changes of both halves; share of a parting force that friction between the halves leaves
-    TipPlace<W> tips_[rigid_tips];
-    RigidNormalForce<W> normal_[rigid_tips];
-    V pull_;                          ///< Λ/4: a quarter of the force of plates that lengthens the pin [N]
-    RigidSlip<W> begin_[rigid_tips];  ///< sliding velocities at the beginning of the step [m/s]
+    Tip tips_[rigid_tips];
+    V pull_;  ///< Λ/4: a quarter of the force of plates that lengthens the pin [N]
 };
 
 /// Sums over the tips of a whole chain.
 template <int W, Evaluation evaluation>
 class TipSums {
 public:
-    TipSums(const RigidCoefficients& c, const RigidKick& kick) noexcept : numbers_(c, kick) {}
+    TipSums(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick) noexcept : numbers_(c, sheaves, kick) {}
 
     [[gnu::noinline]] void add(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                                const typename PinBlocks<W>::Blocks& blocks) noexcept {
@@ -285,8 +278,8 @@ private:
 inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                        RigidReaction& reaction, Account& account) noexcept {
     find_near_pins(c, sheaves, kick, columns);
-    if (c.remembers()) columns.wrap(columns.tip.remembered());
-    TipSums<rigid_singles, Evaluation::step> sums(c, kick);
+    if (c.remembers()) wrap(columns, columns.tip.remembered());
+    TipSums<rigid_singles, Evaluation::step> sums(c, sheaves, kick);
     PinBlock waiting{0, 0};
     const int beyond = over_near_pins(columns, [&](const PinBlock& block) {
         if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, block});
@@ -295,21 +288,25 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
     if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
     finish_near_pins(columns, beyond);
     if (c.remembers()) columns.unwrap(columns.tip.remembered(), beyond);
+    wrap(columns, {columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
     sums.store(c, reaction, account);
 }
 
 /// Presses the tips with velocities as they are, in doubles, of pins that axial_rates() found near.
 inline void press_tips_now(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                            RigidReaction& reaction, Account& account) noexcept {
-    TipSums<rigid_lanes, Evaluation::instant> sums(c, kick);
+    TipSums<rigid_lanes, Evaluation::instant> sums(c, sheaves, kick);
     unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) { sums.add(c, sheaves, kick, columns, {block}); }));
     columns.tip.blocks_before[-1] = -1.0;
+    wrap(columns, {columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
     sums.store(c, reaction, account);
 }
 
 inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept {
     const RigidKick kick;
-    const TipNumbers<rigid_lanes> numbers(c, kick);
+    pitch_lines(columns);
+    rolling_frames(c, columns);
+    const TipNumbers<rigid_lanes> numbers(c, sheaves, kick);
     TipGroup<rigid_lanes, Evaluation::instant> group(c, numbers, sheaves, kick, columns, {PinBlock{0, rigid_lanes}});
     group.place();
     for (std::size_t tip = 0; tip < rigid_tips; ++tip) group.depth(tip).copy_to(depth + tip * rigid_lanes);
@@ -330,7 +327,7 @@ inline void axial_rates(const RigidCoefficients& c, const SheaveMotion* sheaves,
     const RigidKick kick;
     find_near_pins(c, sheaves, kick, columns);
     clear_tips(columns);
-    const TipNumbers<rigid_lanes> numbers(c, kick);
+    const TipNumbers<rigid_lanes> numbers(c, sheaves, kick);
     TipAccount<rigid_lanes> ignored;
     unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) {
                     TipGroup<rigid_lanes, Evaluation::instant> group(c, numbers, sheaves, kick, columns, {block});
@@ -341,6 +338,7 @@ inline void axial_rates(const RigidCoefficients& c, const SheaveMotion* sheaves,
 
 /// M_i = n_i·(A_i g_i + A_{i+1} g_{i+1}) + moments of the tips on the halves that turn with pitch line i.
 inline void tip_moments(RigidColumns& columns) noexcept {
+    wrap(columns, columns.tip.moments());
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane normal = turned(read(columns.line.direction, i));
         const Plane lean = read(columns.tip.offset_moment, i) + read(columns.tip.offset_moment, i + 1);
@@ -348,6 +346,7 @@ inline void tip_moments(RigidColumns& columns) noexcept {
         write(columns.tip.moment, i,
               dot(normal, lean) + read(columns.tip.moment_of_half[1], i) + read(columns.tip.moment_of_half[0], i + 1));
     }
+    wrap(columns, {columns.tip.moment, columns.tip.moment_before});
 }
 
 }  // namespace

@@ -70,6 +70,15 @@ template <int W>
     write(rows.y, i, value.y);
 }
 
+/// RigidColumns::wrap() by vectors.
+inline void wrap(const RigidColumns& columns, const RowRange& rows) noexcept {
+    if (columns.pins() < rigid_lanes) return columns.wrap(rows);
+    for (Row values = rows.first; values <= rows.last; values += columns.stride()) {
+        values[-1] = values[columns.pins() - 1];
+        write(values, columns.pins(), read(values, 0));
+    }
+}
+
 /// Vectors of pins i - 1 … i + 6, given those of pins i - 8 … i - 1 and i … i + 7.
 [[nodiscard, gnu::always_inline]] inline Plane shifted_by_one_pin(const Plane& before, const Plane& now) noexcept {
     return {lanes_across<rigid_lanes - 1>(before.x, now.x), lanes_across<rigid_lanes - 1>(before.y, now.y)};
@@ -157,8 +166,8 @@ template <int W>
 /// @param capacity C = μ N, most friction [N]   @param response r of the sliding velocity to friction [m/s/N]
 /// @param speed |u| of the velocity without friction [m/s]
 template <int W>
-[[nodiscard]] inline Lanes<W> friction_factor(const FrictionCurve& curve, const Lanes<W>& capacity, const Lanes<W>& response,
-                                              const Lanes<W>& speed) noexcept {
+[[nodiscard, gnu::always_inline]] inline Lanes<W> friction_factor(const FrictionCurve& curve, const Lanes<W>& capacity,
+                                                                  const Lanes<W>& response, const Lanes<W>& speed) noexcept {
     const Lanes<W> braking = response * capacity;
     if (curve.law == FrictionLaw::piecewise) {  // the speed is known: D = max(|u| - r C, v0)
         return capacity / larger<W>(speed, curve.saturation_speed + braking);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <type_traits>
 
 #include "model/force/sheave_motion.hpp"
 #include "model/rigid/rigid_coefficients.hpp"
@@ -39,17 +38,13 @@ public:
     [[nodiscard]] const PinBlock& operator[](int block) const noexcept { return blocks_[static_cast<std::size_t>(block)]; }
     /// Entries of a row for all pins, or for the pins `offset` after them.
     [[nodiscard, gnu::always_inline]] D read(const double* row, int offset = 0) const noexcept {
-        if constexpr (count == 1) {
-            return model::read(row, blocks_[0].first + offset);
-        } else {
-            return {model::read(row, blocks_[0].first + offset), model::read(row, blocks_[1].first + offset)};
-        }
+        return joined([&](const PinBlock& block) { return model::read(row, block.first + offset); });
     }
     [[nodiscard, gnu::always_inline]] PlaneD read(const PlaneRow& rows, int offset = 0) const noexcept {
         return {read(rows.x, offset), read(rows.y, offset)};
     }
     [[gnu::always_inline]] void write(Row row, const D& values) noexcept {
-        over_blocks([&](auto block) { model::write(row, blocks_[static_cast<std::size_t>(block)].first, piece(values, block)); });
+        over_blocks([&](int block) { model::write(row, blocks_[static_cast<std::size_t>(block)].first, piece(values, block)); });
     }
     /// Numbers of the pins of one block.
     [[nodiscard, gnu::always_inline]] static PinLanes piece(const D& values, int block) noexcept {
@@ -59,22 +54,23 @@ public:
             return half<lanes>(values, block);
         }
     }
-    /// Calls visit(block) for each block, whose number is a compile-time constant.
-    template <class Visit>
-    [[gnu::always_inline]] static void over_blocks(const Visit& visit) noexcept {
-        visit(std::integral_constant<int, 0>{});
-        if constexpr (count == 2) visit(std::integral_constant<int, 1>{});
+    [[gnu::always_inline]] static void over_blocks(const auto& visit) noexcept {
+        for (int block = 0; block < count; ++block) visit(block);
     }
     /// 1 for valid pins, 0 for the others.
     [[nodiscard, gnu::always_inline]] Lanes<W> present() const noexcept {
-        if constexpr (count == 1) {
-            return blocks_[0].present();
-        } else {
-            return convert<W>(D{blocks_[0].present(), blocks_[1].present()});
-        }
+        return convert<W>(joined([](const PinBlock& block) { return block.present(); }));
     }
 
 private:
+    [[nodiscard, gnu::always_inline]] D joined(const auto& of_block) const noexcept {
+        if constexpr (count == 1) {
+            return of_block(blocks_[0]);
+        } else {
+            return {of_block(blocks_[0]), of_block(blocks_[1])};
+        }
+    }
+
     const RigidColumns& columns_;
     Blocks blocks_;
 };
@@ -82,7 +78,12 @@ private:
 /// Numbers of all tips in the width W: derived once per pass and not for each tip.
 template <int W>
 struct TipNumbers {
-    TipNumbers(const RigidCoefficients& c, const RigidKick& kick) noexcept
+    /// A sheave; place and spin are those against the sheave at -z of its shaft.
+    struct Sheave {
+        Lanes<W> x, y, tilt_x, tilt_y, vx, vy, spin_x, spin_y, spin_z, faster;
+    };
+    /// @param of [4]
+    TipNumbers(const RigidCoefficients& c, const SheaveMotion* of, const RigidKick& kick) noexcept
         : radius(c.radius),
           inverse_reach(c.inverse_reach),
           softness(c.softness),
@@ -103,7 +104,13 @@ struct TipNumbers {
           per_tilt(kick.step / c.tilt_mass),
           per_bend(kick.step / c.bend_mass),
           response(1.1 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
-          further_steps(c.further_steps + (kick.implicit() ? 0 : 2)) {}
+          further_steps(c.further_steps + (kick.implicit() ? 0 : 2)) {
+        for (std::size_t k = 0; k < sheaves.size(); ++k) {
+            const SheaveMotion &at = of[k], &low = of[k / 2 * 2];
+            sheaves[k] = {at.x - low.x, at.y - low.y, at.tilt_x, at.tilt_y, at.vx,
+                          at.vy,        at.spin_x,    at.spin_y, at.spin_z, at.spin_z - low.spin_z};
+        }
+    }
 
     Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< copies of members of RigidCoefficients
     Lanes<W> inward;                                                                       ///< R_p cos β [m]
@@ -115,6 +122,7 @@ struct TipNumbers {
     Lanes<W> per_mass, per_half_mass, per_tilt, per_bend;                                  ///< velocity per force over the step [m/s/N]
     Lanes<W> response;  ///< response of the sliding velocity to friction, with a margin for neighbours [m/s/N]
     int further_steps;  ///< further iterations of Newton's method
+    std::array<Sheave, 4> sheaves;
 };
 
 /// Half and end of tip 0 … 3: 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's. Loops over tips are not unrolled: the
@@ -146,7 +154,7 @@ struct HalfMotion {
 /// Contributions of one side's sheaves and pin ends to place and motion of the tips there.
 template <int W>
 struct SideMotion {
-    double side;                 ///< ±1: -z or +z
+    Lanes<W> side;               ///< ±1: -z or +z
     PlaneOf<W> arm;              ///< sphere's centre from `place`, less the displacement of this sheave against that at -z [m]
     PlaneOf<W> sphere;           ///< sphere's centre from the pin's end, without the half's part [m]
     Lanes<W> z, height;          ///< z of the pin's end from the flank plane's centre; the same inwards [m]
@@ -189,6 +197,7 @@ class RigidTipMotion {
     using D = DoublesOf<W>;
     using PlaneV = PlaneOf<W>;
     using PlaneD = DoublePlaneOf<W>;
+    using Sheave = typename TipNumbers<W>::Sheave;
     static constexpr int lanes = lane_count<W>;
 
 public:
@@ -236,8 +245,8 @@ private:
     [[nodiscard, gnu::always_inline]] D in_doubles(double SheaveMotion::*number, const SheaveMotion* sheaves) const noexcept {
         return select_greater<lanes>(second_, D(0.5), D(sheaves[2].*number), D(sheaves[0].*number));
     }
-    [[nodiscard, gnu::always_inline]] V of_shaft(double driving, double driven) const noexcept {
-        return select_greater<W>(driven_, V(0.5), V(driven), V(driving));
+    [[nodiscard, gnu::always_inline]] V of_sheave(V TipNumbers<W>::Sheave::*number, std::size_t end) const noexcept {
+        return select_greater<W>(driven_, V(0.5), n_.sheaves[2 + end].*number, n_.sheaves[end].*number);
     }
 
     [[gnu::always_inline]] void read_half(const PlaneD& middle, HalfMotion<W>& half, std::size_t which) noexcept {
@@ -271,10 +280,10 @@ private:
     }
 
     [[gnu::always_inline]] void read_side(const SheaveMotion* sheaves, std::size_t end, SideMotion<W>& s) noexcept {
-        const double side = s.side = end == 0 ? -1.0 : 1.0;
+        const double side = end == 0 ? -1.0 : 1.0;
+        s.side = side;
         const SheaveMotion &driving = sheaves[end], &driven = sheaves[2 + end];
-        const PlaneV moved{of_shaft(driving.x - sheaves[0].x, driven.x - sheaves[2].x),
-                           of_shaft(driving.y - sheaves[0].y, driven.y - sheaves[2].y)};
+        const PlaneV moved{of_sheave(&Sheave::x, end), of_sheave(&Sheave::y, end)};
         s.sphere = V(side * (c_.lever - 1.0)) * at_.end + V(c_.bend_lever - 1.0) * at_.bend;
         s.arm = (V(side) * n_.lever) * at_.end + n_.bend_lever * at_.bend - moved;
         const D plane(select_greater<lanes>(second_, D(0.5), D(driven.z - side * c_.half_length), D(driving.z - side * c_.half_length)));
@@ -282,23 +291,22 @@ private:
         s.z = convert<W>(z);
         s.height = V(-side) * s.z;
         s.clearance = c_.cosine * height;
-        s.tilt_x = of_shaft(driving.tilt_x, driven.tilt_x);
-        s.tilt_y = of_shaft(driving.tilt_y, driven.tilt_y);
+        s.tilt_x = of_sheave(&Sheave::tilt_x, end);
+        s.tilt_y = of_sheave(&Sheave::tilt_y, end);
     }
     /// Velocities lead by half a step, in which the pins move on above the spinning sheave; those of the beginning trail by as much.
     [[gnu::always_inline]] void read_side_rates(const SheaveMotion* sheaves, std::size_t end, SideMotion<W>& s) noexcept {
-        const SheaveMotion &driving = sheaves[end], &driven = sheaves[2 + end];
-        const V spin = of_shaft(driving.spin_z, driven.spin_z);
-        s.spin_x = of_shaft(driving.spin_x, driven.spin_x);
-        s.spin_y = of_shaft(driving.spin_y, driven.spin_y);
-        s.faster = of_shaft(driving.spin_z - sheaves[0].spin_z, driven.spin_z - sheaves[2].spin_z);
+        const V spin = of_sheave(&Sheave::spin_z, end);
+        s.spin_x = of_sheave(&Sheave::spin_x, end);
+        s.spin_y = of_sheave(&Sheave::spin_y, end);
+        s.faster = of_sheave(&Sheave::faster, end);
         s.turned_by = V(0.5 * kick_.step) * spin;
         const PlaneV onward = s.turned_by * turned(convert<W>(rate_.middle)),
-                     velocity{of_shaft(driving.vx, driven.vx), of_shaft(driving.vy, driven.vy)};
+                     velocity{of_sheave(&Sheave::vx, end), of_sheave(&Sheave::vy, end)};
         s.moved_on = V(2.0) * onward;
-        s.velocity = V(s.side) * rate_.end + rate_.bend - velocity + onward - spin * turned(s.arm);
-        s.sphere_velocity = (V(s.side) * n_.lever) * rate_.end + n_.bend_lever * rate_.bend - velocity;
-        const D along = select_greater<lanes>(second_, D(0.5), D(driven.vz), D(driving.vz));
+        s.velocity = s.side * rate_.end + rate_.bend - velocity + onward - spin * turned(s.arm);
+        s.sphere_velocity = (s.side * n_.lever) * rate_.end + n_.bend_lever * rate_.bend - velocity;
+        const D along = select_greater<lanes>(second_, D(0.5), D(sheaves[2 + end].vz), D(sheaves[end].vz));
         s.velocity_z = convert<W>(rate_.z - along);
     }
 

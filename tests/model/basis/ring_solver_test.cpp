@@ -35,8 +35,10 @@ TEST(RingSolver, SatisfiesEachEquationOfRingsOfAnyLength) {
         for (std::size_t k = 0; k < 4; ++k) shares.to_rows(repeated(*coefficients[k]).data() + 1, memory[k].data());
         const auto row = [&](int k) { return memory[k].data(); };
         solve_ring(shares, {row(0), row(1), row(2), row(3), row(4), row(5), row(6)});
-        std::vector<double> x(static_cast<std::size_t>(shares.equations));
-        shares.from_rows(row(6), x.data());
+        std::vector<double> x(static_cast<std::size_t>(shares.equations + RingShares::lanes));  // squares of vectors are written
+        shares.from_rows(row(6), x.data() + 1);
+        x.erase(x.begin());
+        x.resize(static_cast<std::size_t>(shares.equations));
         for (std::size_t k = rhs.size(); k < x.size(); ++k) EXPECT_NEAR(x[k], x[k - rhs.size()], 1e-12 * (1.0 + std::abs(x[k])));
         x.resize(rhs.size());
         for (std::size_t k = 0, n = x.size(); k < n; ++k) {
