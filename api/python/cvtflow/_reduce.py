@@ -120,10 +120,10 @@ class Bench:
         if os.path.isdir(self.folder) and os.listdir(self.folder) and not os.path.isfile(os.path.join(self.runs, "scene.toml")):
             raise FileExistsError(f"{request['place']}: contains files of others; name another folder")
         os.makedirs(self.runs, exist_ok=True)
-        self.write("runs/scene.toml", request["text"])
+        self.write("runs/scene.toml", f"# {self.level}\n{request['text']}", kept=True)
 
-    def write(self, name, content):
-        """Writes a file of the folder, if its content changes."""
+    def write(self, name, content, kept=False):
+        """Writes a file of the folder, if its content changes. kept: results beside it are of this content."""
         path, content = os.path.join(self.folder, name), content if isinstance(content, bytes) else content.encode()
         if os.path.islink(path):
             raise FileExistsError(f"{path}: a link is not replaced")
@@ -131,6 +131,9 @@ class Bench:
             with open(path, "rb") as file:
                 if file.read() == content:
                     return
+            if kept:
+                raise FileExistsError(f"{path}: differs, so results beside it are of another machine, level of detail or other axes; name "
+                                      "another folder, or remove this one")
         with open(path, "wb") as file:
             file.write(content)
 
@@ -171,8 +174,8 @@ class Bench:
                  *(f"{key} = {toml(value)}" for key, value in {**_PLAIN, **settings}.items()), "[[axes]]", f'csv = "{name}.csv"',
                  "[outputs]", f"scalars = {toml(scalars)}", "[start]", 'mode = "settle"', *['continuation = "load.torque"'] * continued]
         self.write(f"runs/{name}.csv", ", ".join(rows) + "\n" + "".join(
-            ", ".join(f"{value:.9g}" for value in row) + "\n" for row in zip(*rows.values())))
-        self.write(f"runs/{name}.toml", "\n".join(lines) + "\n")
+            ", ".join(f"{value:.9g}" for value in row) + "\n" for row in zip(*rows.values())), kept=True)
+        self.write(f"runs/{name}.toml", "\n".join(lines) + "\n", kept=True)
         begin = time.monotonic()
         self.call("batch", f"{name}.toml", "-o", name, *self._threads, "-q", "--keep-going")
         with h5py.File(os.path.join(self.runs, name, "cases.h5")) as file:
