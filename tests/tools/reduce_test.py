@@ -174,6 +174,18 @@ class ModelInC(unittest.TestCase):
         self.assertGreater(max(_speed_factor(small.load(), small) for _ in range(3)), 1e4)
 
 
+class Axes(unittest.TestCase):
+    def test_contain_the_ratios_and_clamping_forces_of_the_scene(self):
+        scene = {**SCENE, "cycle.speed": 0, "drive.speed": 200.0, "clamping.driven": 10e3, "clamping.safety": 1.3, "start.ratio": 2.4,
+                 "load.torque": [[0.0, 100.0], [1.0, 720.0]], "control.enabled": True, "control.ratio": [[0.0, 2.4], [1.0, 0.3]]}
+        machine = _reduce.Machine(scene)
+        axes = machine.axes()
+        np.testing.assert_allclose(axes["ratio"][[0, -1]], [0.3, 1 / 0.3])
+        np.testing.assert_allclose(axes["clamping"][[0, -1]], [10e3, 1.1 * 1.3 * 720 / machine.limit(2.4, 1.0)])
+        scene["clamping.safety"] = 0.0
+        np.testing.assert_allclose(machine.axes()["clamping"][[0, -1]], [4e3, 20e3])
+
+
 class Fmus(unittest.TestCase):
     def test_run_in_fmpy(self):
         sys.path.insert(0, os.environ.get("CVTFLOW_FMPY", ""))

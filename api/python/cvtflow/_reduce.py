@@ -65,17 +65,26 @@ class Machine:
         values = [row[1] for row in given] if isinstance(given, list) else [given]
         return min(values), max(values)
 
+    def _clamping(self):
+        """Least and largest clamping force: around the scene's table; with clamping.safety from it to what the load asks for."""
+        least, most = self._range("clamping.driven")
+        asked = self.scene["clamping.safety"] * max(map(abs, self._range("load.torque"))) / self.limit(self.scene["start.ratio"], 1.0)
+        if asked <= most or self.scene["cycle.speed"]:
+            return 0.4 * max(most, 1e3), 2.0 * max(most, 1e3)
+        return max(least, 0.1 * asked), 1.1 * asked
+
     def axes(self):
-        """Default axes: what the grooves have room for, and the scene's speeds and clamping forces with what lies around them."""
+        """Default axes: what the grooves have room for, the scene's ratios, and its speeds with what lies around them."""
         ends = [ratio for ratio in np.geomspace(1.0, 6.0, 200)
                 if self.radii(ratio)[0] >= 1.3 * self.limits[0] and self.radii(ratio)[1] <= 0.95 * self.limits[1]] or [1.2]
+        given = [self.scene["start.ratio"], *(self._range("control.ratio") if self.scene["control.enabled"] else ())]
+        end = max(ends[-1], *given, *(1 / each for each in given))
         if self.scene["cycle.speed"]:
             slow, fast = self.scene["cycle.idle_speed"], 1.2 * self._range("cycle.engine_speed")[1]
         else:
             slow, fast = self._range("drive.speed")
         speeds = np.linspace(slow, fast, 4) if fast > 1.5 * slow > 0 else np.array([0.4, 0.8, 1.3, 2.0]) * fast
-        most = max(self._range("clamping.driven")[1], 1e3)
-        return {"ratio": np.geomspace(1 / ends[-1], ends[-1], 7), "load": np.array(SHARES), "clamping": np.geomspace(0.4, 2.0, 4) * most,
+        return {"ratio": np.geomspace(1 / end, end, 7), "load": np.array(SHARES), "clamping": np.geomspace(*self._clamping(), 4),
                 "speed": speeds, "points": 40, "fine": 10, "courses": True}
 
 
