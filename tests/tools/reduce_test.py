@@ -186,6 +186,17 @@ class Axes(unittest.TestCase):
         np.testing.assert_allclose(machine.axes()["clamping"][[0, -1]], [4e3, 20e3])
 
 
+class Cases(unittest.TestCase):
+    def test_are_of_the_map_if_they_are_known_to_a_fortieth_without_gross_slip(self):
+        rows = [("ok", "", 0.0, 1.0, True), ("not_steady", "", 0.02, 1.0, True), ("not_steady", "", 0.03, 1.0, False),
+                ("not_steady", "gross_slip", 0.02, 1.0, False), ("ok", "gross_slip", 0.0, 1.0, False),
+                ("unreliable", "", 0.0, 1.0, False), ("not_steady", "", 0.02, math.nan, False)]
+        status, notes, error, loss, expected = (np.array(column) for column in zip(*rows))
+        found = {"status": status, "notes": notes, "loss_total_mean": loss, "error_of_loss_total_mean": error,
+                 "error_of_shaft_1_clamping_mean": 0.5 * error}
+        self.assertEqual(_reduce._good(found).tolist(), expected.tolist())
+
+
 class Fmus(unittest.TestCase):
     def test_run_in_fmpy(self):
         sys.path.insert(0, os.environ.get("CVTFLOW_FMPY", ""))
