@@ -192,7 +192,7 @@ struct Heat {
 
 /// Parameters of wear from the recorded loads of tips, and the limit of clamping over slip.
 struct Wear {
-    double coefficient = 1e-17;               ///< Archard's, volume per force and way [m²/N]
+    double coefficient = 5e-17;               ///< Archard's, volume per force and way [m²/N]
     SpeedTable clamping_limit{{0.0}, {0.0}};  ///< largest clamping force over the slip speed; one value of 0: none [N]
     bool operator==(const Wear&) const = default;
 };

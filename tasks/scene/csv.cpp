@@ -192,10 +192,10 @@ private:
                                      : entry.key == "time"  ? &names_[0]
                                      : entry.key == "value" ? &names_[1]
                                                             : nullptr;
-            if (requested == nullptr)
-                problem(fmt::format("{}: unknown key{}", entry.key,
-                                    engine::did_you_mean(engine::closest(entry.key, {"csv", "time", "value"}))));
-            else if (text == nullptr)
+            if (requested == nullptr) {
+                const std::string near = engine::did_you_mean(engine::closest(entry.key, {"csv", "time", "value"}));
+                problem(fmt::format("{}: unknown key{}", entry.key, near.empty() ? " (there are csv, time, value)" : near));
+            } else if (text == nullptr)
                 problem(fmt::format("{} is not a text", entry.key));
             else
                 *requested = *text;

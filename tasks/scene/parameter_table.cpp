@@ -146,7 +146,7 @@ std::span<const Parameter> parameter_table() {
 
     {"wear.coefficient", "1/Pa", 0, 1e-9, {}, of<&Wear::coefficient>,
      "Archard's coefficient: worn volume per normal force and sliding distance, for cvtflow plot "
-     "--wear.", "boundary-lubricated hardened steel, Rabinowicz 1995"},
+     "--wear.", "pins of such a chain lose 0.1 to 0.2 mm in 300,000 km (docs/validation.md)"},
     {"wear.clamping_limit", "N", 0, 1e7, {}, of<&Wear::clamping_limit>,
      "Largest clamping force that tips bear over their slip speed on a pulley, monotone between points; a run that exceeds it has the note "
      "clamping_limit. 0: no limit.", "measured by the user, as van der Laan 2004"},

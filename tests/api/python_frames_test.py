@@ -188,6 +188,7 @@ class Records(Folder):
         self.assertIs(record.plot("links/tension[3]", ax=axes), axes.figure)
         self.assertEqual(len(axes.lines), 2)
         rows = cvtflow.run(tiny(), "20 us", channels=["ratio"])
+        self.assertRaisesRegex(KeyError, 'ratoi: there are time, ratio .did you mean "ratio"', lambda: rows["ratoi"])
         self.assertEqual(rows.plot("ratio").axes[0].get_ylabel(), "ratio")
 
     @matplotlib_only

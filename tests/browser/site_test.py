@@ -129,12 +129,13 @@ class Site(unittest.TestCase):
             self.assertLess(time.monotonic(), until)
         self.assertEqual(browser.value("document.querySelector(location.hash).querySelector('h2').innerText.slice(0, 6)"), "[load]")
 
-    def test_the_search_lists_user_pages_first_and_decisions_last(self):
+    def test_the_search_lists_the_reference_of_a_name_then_user_pages_and_decisions_last(self):
         captions = list(groups_of_contents())
         order = captions[captions.index("Reference"):]
         kinds = {page: caption if caption in order else "User" for caption, pages in groups_of_contents().items() for page in pages}
         for query in ("load.torque", "slip"):
-            found = [page.split(".html")[0] for page, _, _ in self.results(query)]
+            reference, *found = [page.split(".html")[0] for page, _, _ in self.results(query)]
+            self.assertEqual(kinds[reference], "Reference", query)
             found = [kinds.get(page, "Decisions") for page in found]
             self.assertEqual(found[:9], ["User"] * 9, query)
             self.assertIn("Decisions", found, query)

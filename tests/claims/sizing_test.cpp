@@ -128,7 +128,7 @@ TEST(Sizing, StatesWhyForcesAreUnknown) {
     EXPECT_TRUE(std::isnan(at.clamping[0]));
 }
 
-/// While the ratio rises by 0.22 1/s, control presses less on the driving side: the difference is that of the found gains within a third.
+/// While the ratio rises by 0.22 1/s, control presses less on the driving side: the difference is the stated one within a third.
 TEST(Sizing, AddsWhatAShiftTakes) {
     tasks::Scene scene = scene_at_level(
         "baseline", "rigid",

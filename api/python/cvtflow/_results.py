@@ -10,7 +10,7 @@ import numpy as np
 
 from ._channels import split
 from ._cvtflow import Scene, Simulation, Threads
-from ._known import sums
+from ._known import UnknownName, suggestion, sums
 from ._numbers import Array
 from ._series import Record, Series, seconds  # noqa: F401 (Record: of recordings)
 
@@ -24,6 +24,9 @@ class Rows(Series, dict[str, Array]):
 
     def _sum(self, name):
         return self._sums.get(name)
+
+    def __missing__(self, name: str) -> Array:
+        raise UnknownName(f"{name}: there are {', '.join(self)}" + suggestion(name, self))
 
     def __repr__(self):
         return f"<cvtflow.Rows: {len(self['time'])} rows of {', '.join(self)}>"

@@ -54,6 +54,10 @@ def _numbers(values):
     return "{" + ", ".join(f"{value:.9g}" for value in values) + "}"
 
 
+def _axis(values):
+    return _numbers([*values, *(1.0 / np.diff(values))])
+
+
 def _nested(table):
     return _numbers(table) if table.ndim == 1 else "{" + ",\n".join(_nested(each) for each in table) + "}"
 
@@ -80,11 +84,11 @@ class Small:
             "enum { " + ", ".join(f"{size} = {len(axes[axis])}" for size, axis in sizes.items()) + f", VALUES = {len(VALUES)} }};",
             "enum { " + ", ".join(row[0] for row in VARIABLES) + f", COUNT, SETTABLE = {settable} }};",
             f"static const double start_values[COUNT] = {_numbers(self.start)};",
-            f"static const double ratio_axis[RATIOS] = {_numbers(np.log(axes['ratio']))}; /* ln */",
+            f"static const double ratio_axis[2 * RATIOS - 1] = {_axis(np.log(axes['ratio']))}; /* ln */",
             f"static const double ratio_ends[2] = {_numbers(axes['ratio'][[0, -1]] * [0.9, 1.1])}; /* stops of the sheaves */",
-            f"static const double load_axis[LOADS] = {_numbers(axes['load'])}; /* shares of 2 mu S_2 r_2/cos(beta) */",
-            f"static const double clamping_axis[CLAMPINGS] = {_numbers(np.log(axes['clamping']))}; /* ln [N] */",
-            f"static const double speed_axis[SPEEDS] = {_numbers(axes['speed'])}; /* [rad/s] */",
+            f"static const double load_axis[2 * LOADS - 1] = {_axis(axes['load'])}; /* shares of 2 mu S_2 r_2/cos(beta) */",
+            f"static const double clamping_axis[2 * CLAMPINGS - 1] = {_axis(np.log(axes['clamping']))}; /* ln [N] */",
+            f"static const double speed_axis[2 * SPEEDS - 1] = {_axis(axes['speed'])}; /* [rad/s] */",
             f"static const double limit_per_force[RATIOS] = {_numbers(factors)}; /* [m] */",
             "/* " + ", ".join(VALUES) + " */",
             "static const double map[SPEEDS][CLAMPINGS][RATIOS][LOADS][VALUES] = {",
@@ -95,7 +99,7 @@ class Small:
         with tempfile.TemporaryDirectory(prefix="cvtflow-") as folder:
             with open(os.path.join(folder, "map.h"), "w", encoding="utf-8") as file:
                 file.write(self.header)
-            made = os.path.join(folder, "made")
+            made = os.path.join(folder, "made.so")  # with an ending, or mingw-w64 adds one
             words = [compiler, "-std=c99", "-O3", "-shared", "-fvisibility=hidden", *["-fPIC"] * (compiler == "cc"), f"-DFMI={fmi}"]
             try:
                 done = subprocess.run([*words, f"-I{folder}", "-o", made, _SOURCE, "-lm"], capture_output=True, text=True)

@@ -14,36 +14,56 @@
 enum { THRUST, SLIP, LOSS, SHIFT, MOVING, TIPS = MOVING, TIGHT, SLACK, LIMIT }; /* MOVING: those that a step needs */
 
 typedef struct {
+    double of, log;
+} Logarithm;
+
+typedef struct {
     double v[COUNT];                    /* variables by reference, time first */
+    Logarithm ratio_log, force_log;     /* the last ones */
     double ratio, speed;                /* states: i, omega_1 */
     double turn, slowing, loss, before; /* d ln i/dt, d omega_2/dt, torque of the losses on shaft 1, omega_1 before */
     int known;
 } Reduced;
 
-/* The cell of x on an axis of n points and the place in it; sets the flag where x is outside. */
+static double logarithm(Logarithm* last, double x) {
+    if (x != last->of) last->log = log(x), last->of = x;
+    return last->log;
+}
+
+/* The cell of x on an axis (n points, n - 1 inverse distances) and the place in it; sets the flag where x is outside. */
 static int cell(const double* axis, int n, double x, double* place, int flag, int* outside) {
     int k = 0;
     const double rounding = 1e-9 * (axis[n - 1] - axis[0]);
     if (!(x >= axis[0] - rounding && x <= axis[n - 1] + rounding)) *outside |= flag;
     x = x > axis[0] ? (x < axis[n - 1] ? x : axis[n - 1]) : axis[0];
     while (k < n - 2 && x > axis[k + 1]) ++k;
-    *place = (x - axis[k]) / (axis[k + 1] - axis[k]);
+    *place = (x - axis[k]) * axis[n + k];
     return k;
 }
 
 /* Values at ln i, share of the torque limit, S_2 and speed of the driving shaft; multilinear. Returns what is outside: 1 ratio, 2 load,
    4 clamping, 8 speed. count: of values */
 static inline int values_at(double log_ratio, double share, double log_clamping, double speed, double* out, int count) {
-    double a, b, c, d;
+    double a, b, c, d, near[8], far[8];
+    const double* row[8];
     int outside = 0, corner, n;
     const int i = cell(ratio_axis, RATIOS, log_ratio, &a, 1, &outside), j = cell(load_axis, LOADS, share, &b, 2, &outside);
     const int k = cell(clamping_axis, CLAMPINGS, log_clamping, &c, 4, &outside), l = cell(speed_axis, SPEEDS, speed, &d, 8, &outside);
-    for (n = 0; n < count; ++n) out[n] = 0.0;
     for (corner = 0; corner < 8; ++corner) {
         const int s = corner & 1, t = corner >> 1 & 1, u = corner >> 2;
         const double weight = (s ? d : 1.0 - d) * (t ? c : 1.0 - c) * (u ? a : 1.0 - a);
-        const double(*row)[VALUES] = map[l + s][k + t][i + u];
-        for (n = 0; n < count; ++n) out[n] += weight * ((1.0 - b) * row[j][n] + b * row[j + 1][n]);
+        row[corner] = map[l + s][k + t][i + u][j];
+        near[corner] = weight * (1.0 - b);
+        far[corner] = weight * b;
+    }
+    for (n = 0; n < count; n += 2) { /* by twos: compilers make vectors of them */
+        double even = 0.0, odd = 0.0;
+        for (corner = 0; corner < 8; ++corner) {
+            even += near[corner] * row[corner][n] + far[corner] * row[corner][VALUES + n];
+            odd += near[corner] * row[corner][n + 1] + far[corner] * row[corner][VALUES + n + 1];
+        }
+        out[n] = even;
+        out[n + 1] = odd;
     }
     if (count == VALUES && share > out[LIMIT]) outside |= 2;
     return outside;
@@ -68,10 +88,10 @@ static void evaluate(Reduced* m, int all) {
     int outside;
     if (!(driven > 1.0)) driven = 1.0;
     if (!(torque > 0.0)) torque = 0.0;
-    ln = log(i / (1.0 - v[SLIP_OUT])); /* the map is over the ratio of the speeds */
+    ln = logarithm(&m->ratio_log, i) + v[SLIP_OUT] * (1.0 + v[SLIP_OUT] * (0.5 + v[SLIP_OUT] / 3.0)); /* of speeds: ln i - ln(1 - slip) */
     if (back) ln = -ln;
     limit = torque_limit(ln, driven);
-    place = log(driven);
+    place = logarithm(&m->force_log, driven);
     outside = all ? values_at(ln, torque / limit, place, back ? second : speed, out, VALUES)
                   : values_at(ln, torque / limit, place, back ? second : speed, out, MOVING);
     law = out[SHIFT] * (back ? second : speed);
@@ -139,6 +159,7 @@ static void begin(Reduced* m) {
     m->speed = m->before = m->v[SPEED_1];
     m->turn = m->slowing = m->loss = 0.0;
     m->known = -1;
+    m->ratio_log.of = m->force_log.of = 0.0;
 }
 
 /* State from the start values; three times, since slip and losses are inputs of themselves. */

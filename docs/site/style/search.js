@@ -1,4 +1,4 @@
-/* Results of the search: user pages first and decisions last, each with the section and a line of text around the hit. */
+/* Results of the search: the reference of a key or channel, user pages, … decisions, each with the section and a line of text around the hit. */
 "use strict";
 
 document.addEventListener("DOMContentLoaded", () => {
@@ -10,12 +10,12 @@ document.addEventListener("DOMContentLoaded", () => {
     const anything = new RegExp([_escapeRegExp(typed), ...patterns.map((pattern) => pattern.source)].join("|"), "gi");
     const definition = typed + " · ";   // of a reference page: a row that begins with the query
 
-    // User and reference pages that contain the query as typed, then those that contain its words, then all other pages.
+    // The row of a reference page that the query names, user and reference pages that contain the query as typed, then those that contain its words, then all other pages.
     Scorer.score = ([page, , , , score]) => {
         const {group, sections} = searchPages[page];
         const contains = (part) => sections.some(({title, text}) => (title + " · " + text).toLowerCase().includes(part));
         const defines = group === 1 && contains("· " + definition);
-        return score + (defines ? 8 : 0) - 1000 * (group < 2 && contains(typed) ? group : group + 2);
+        return score + (defines ? 2000 : 0) - 1000 * (group < 2 && contains(typed) ? group : group + 2);
     };
 
     // The passage with most of the query, or the beginning.

@@ -152,6 +152,7 @@ TEST_F(CsvPoints, SayWhatIsWrongAndWhere) {
     EXPECT_EQ(problem(R"({csv = "none.csv"})"), "load.torque: no file \"none.csv\"");
     EXPECT_EQ(problem(R"({time = "t"})"), "load.torque: csv = \"FILE\" is missing");
     EXPECT_EQ(problem(R"({csv = "good.csv", valeu = "t"})"), "load.torque: valeu: unknown key (did you mean \"value\"?)");
+    EXPECT_EQ(problem(R"({csv = "good.csv", speed = "t"})"), "load.torque: speed: unknown key (there are csv, time, value)");
     EXPECT_EQ(problem(R"({csv = "good.csv", value = 3})"), "load.torque: value is not a text");
     EXPECT_EQ(problem(R"({csv = "good.csv", value = "torqe"})"),
               "load.torque: \"good.csv\" has no column \"torqe\" (did you mean \"torque\"?)");

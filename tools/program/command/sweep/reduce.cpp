@@ -34,7 +34,8 @@ struct ReduceArguments {
 /// Request to the Python package, which runs sweeps by this program and writes the files.
 nlohmann::json request_of(const ReduceArguments& arguments, const char* command) {
     const LoadedScene loaded = load_scene(arguments.scene);
-    const std::string folder = arguments.folder.empty() ? fmt::format("results/{}_{}", loaded.scene.name, command) : arguments.folder;
+    const std::string folder =
+        arguments.folder.empty() ? default_place(fmt::format("{}_{}", loaded.scene.name, command)) : arguments.folder;
     nlohmann::json values;
     for (const tasks::Parameter& key : tasks::parameter_table())
         values[std::string(key.key)] = nlohmann::json::parse(tasks::value_text(key, loaded.scene), nullptr, false);
