@@ -111,7 +111,6 @@ ordered_json result_json(const ScheduleResult& result, const StageTable& stages)
                       {"paired_gain", gain_json(result.paired)},
                       {"wait", wait_name(result.schedule.wait)},
                       {"pinned", result.schedule.pin},
-                      {"predicted_speed_up", result.predicted},
                       {"loads", loads}};
     json["recording"] = recording_json(result.recording, stages);
     return json;
@@ -121,43 +120,6 @@ ordered_json thread_costs(const std::vector<ThreadCost>& costs) {
     ordered_json list = ordered_json::array();
     for (const ThreadCost& cost : costs) list.push_back({{"threads", cost.threads}, {"seconds", cost.seconds}});
     return list;
-}
-
-ordered_json model_json(const ProfileModel& model) {
-    const PathCosts& costs = model.costs;
-    ordered_json curves = ordered_json::array();
-    for (const SpeedUpRow& row : model.curves) {
-        curves.push_back({{"threads", row.threads},
-                          {"ideal", row.ideal},
-                          {"even", row.even},
-                          {"amdahl", row.amdahl},
-                          {"predicted", row.predicted},
-                          {"low", row.low},
-                          {"high", row.high}});
-    }
-    return {{"links", model.touching.size()},
-            {"touching_links", std::count(model.touching.begin(), model.touching.end(), true)},
-            {"lanes", costs.lanes},
-            {"free_lane", costs.free},
-            {"touching_lane", costs.touching},
-            {"border", costs.border},
-            {"detect_link", costs.detect},
-            {"controller", costs.controller},
-            {"synchronisation", costs.synchronisation},
-            {"synchronisation_per_thread", costs.per_thread},
-            {"synchronisation_tree", costs.synchronisation_tree},
-            {"synchronisation_per_doubling", costs.per_doubling},
-            {"stretch", costs.stretch},
-            {"stretch_measured", model.stretched},
-            {"jitter", costs.jitter},
-            {"fit_error", model.fit_error},
-            {"serial_step", model.serial_step},
-            {"other_cycles_per_step", costs.other_cycles},
-            {"evaluations_per_step", costs.evaluations},
-            {"serial_share", model.serial_share},
-            {"synchronisation_assumed", model.assumed},
-            {"synchronisation_samples", thread_costs(model.synchronisation)},
-            {"curves", curves}};
 }
 
 }  // namespace
@@ -170,7 +132,7 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
         "speed_up,"
         "cpu_per_wall,rounds,dropped,active_threads,synchronisation_us,cycle_cost_us,least_task_us,imbalance,recording_cost,hash,wait,"
         "pinned,omp_wait_policy,"
-        "gomp_spincount,kmp_blocktime,cpu_us,burnt_us,bare_barrier_us,predicted_speed_up,commit,compiler,flags,tbb,openmp,cpu,cores,date\n";
+        "gomp_spincount,kmp_blocktime,cpu_us,burnt_us,bare_barrier_us,commit,compiler,flags,tbb,openmp,cpu,cores,date\n";
     const engine::Provenance here = engine::current_provenance();
     const std::string provenance =
         fmt::format("{},{},{},{},{},{},{},{}", quoted(here.commit), quoted(here.compiler + " " + here.build_type), quoted(compiler_flags()),
@@ -188,11 +150,10 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
             text += pass.active() == 0 ? fmt::format(",,{},,,,", alone)
                                        : fmt::format("{},{:.4f},{},{:.4f},{:.4f},{:.4f},", pass.active(), 1e6 * pass.synchronisation(),
                                                      alone, 1e6 * pass.min_task(), pass.imbalance(), result.recording.cost);
-            text += fmt::format("{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{}\n", engine::hex(result.hash), wait_name(result.schedule.wait),
+            text += fmt::format("{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{}\n", engine::hex(result.hash), wait_name(result.schedule.wait),
                                 result.schedule.pin ? "yes" : "no", quoted(environment("OMP_WAIT_POLICY")),
                                 quoted(environment("GOMP_SPINCOUNT")), quoted(environment("KMP_BLOCKTIME")), 1e6 * load.cpu,
-                                1e6 * load.burnt, 1e6 * result.bare,
-                                load.neighbours == 0 && result.predicted > 0.0 ? fmt::format("{:.4f}", result.predicted) : "", provenance);
+                                1e6 * load.burnt, 1e6 * result.bare, provenance);
         }
     }
     return text;
@@ -216,7 +177,6 @@ std::string profile_json(const Scene& scene, const MeasureOptions& options, cons
     json["independent_runs"] = ordered_json::array();
     for (const CopiesGain& copies : profile.copies)
         json["independent_runs"].push_back({{"threads", copies.threads}, {"paired_gain", gain_json(copies.paired)}});
-    json["model"] = model_json(profile.model);
     json["hash_differences"] = profile.differences;
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
@@ -234,17 +194,6 @@ std::string profile_stages_csv(const Scene& scene, const Profile& profile) {
                                     result.recording.steps > 0 ? 1e6 * seconds / static_cast<double>(result.recording.steps) : 0.0);
             }
         }
-    }
-    return text;
-}
-
-std::string profile_curves_csv(const Scene& scene, const Profile& profile) {
-    std::string text = "scene,threads,ideal,even,amdahl,critical_path,low,high,measured,schedule\n";
-    for (const SpeedUpRow& row : profile.model.curves) {
-        const ScheduleResult* best = profile.best_fused(row.threads);
-        text += fmt::format("{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n", quoted(scene.name), row.threads, row.ideal, row.even,
-                            row.amdahl, row.predicted, row.low, row.high,
-                            best != nullptr ? fmt::format("{:.4f}", best->loads.front().speed_up) : "", best != nullptr ? best->name : "");
     }
     return text;
 }

@@ -20,9 +20,6 @@ namespace cvtflow::bench {
 /// one of sequential time.
 [[nodiscard]] std::string profile_stages_csv(const tasks::Scene& scene, const Profile& profile);
 
-/// The published curves, the critical path with its bounds, and the best measured fused schedule beside, one row per number of threads.
-[[nodiscard]] std::string profile_curves_csv(const tasks::Scene& scene, const Profile& profile);
-
 /// The recorded passes in Chrome's trace format (chrome://tracing, ui.perfetto.dev): a process per schedule, a track per thread. Each
 /// begins at 0.
 [[nodiscard]] std::string profile_trace(const Profile& profile);

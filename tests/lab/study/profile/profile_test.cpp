@@ -78,7 +78,6 @@ TEST(Profile, IsCrowdedIfItsCalibrationGotLessThanNineTenths) {
         profile.calibrated = calibrated;
         EXPECT_EQ(profile.crowded(), crowded) << calibrated;
     }
-    EXPECT_FALSE(profile.predicts()) << "no model was made";
 }
 
 /// The first turns, before those that count, are samples only where they were slow.
@@ -104,7 +103,6 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
     options.rounds = 2;
     options.steps = 5;
     options.neighbours = {0, 1};
-    options.predict_crowded = true;  // whatever else runs here
     const auto schedules = chosen_schedules(ready_tiny(), {.names = {"serial:staged", "flow:fused", "flow:staged"}, .threads = {2}});
     const Profile profile = profile_schedules(ready_tiny(), schedules, options);
     EXPECT_THAT(profile.differences, testing::IsEmpty());
@@ -124,15 +122,9 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
         EXPECT_NEAR(result.recording.pass.cycles, 25.0, 15.0);  // five steps of five cycles, and transitions
     }
     EXPECT_EQ(profile.results[0].loads[0].speed_up, 1.0);
-    for (const ScheduleResult& result : profile.results)
-        EXPECT_GT(result.predicted, 0.0) << result.name;    // staged ones too: serial:staged is among them
-    EXPECT_NEAR(profile.results[0].predicted, 1.0, 1e-12);  // serial by definition
     EXPECT_GT(profile.results[2].loads[0].cpu,
               0.0);                      // with a neighbour it is a difference, which half a millisecond of stepping does not resolve
     EXPECT_EQ(profile.bare.size(), 2u);  // of one and of two threads
-    EXPECT_GT(profile.model.costs.free, 0.0);
-    EXPECT_GT(profile.model.serial_step, 0.0);
-    EXPECT_EQ(profile.model.curves.size(), 24u);
 }
 
 /// A run searches for its automatic step once, with a hundred evaluations or more; afterwards, from time to time, with a few more.
@@ -174,6 +166,12 @@ TEST(CountedWork, ThreadsTakeTheNextTaskThatIsReady) {
     EXPECT_DOUBLE_EQ(makespan(graph, 0, work, 2), 6.0);  // 3 + 2 beside 4, then 1
     EXPECT_DOUBLE_EQ(makespan(graph, 0, work, 3), 5.0);
     EXPECT_DOUBLE_EQ(makespan(graph, 0, work, 9), 5.0) << "threads without a task";
+}
+
+TEST(CountedWork, EvenSpeedUpCountsTheLongestSegment) {
+    EXPECT_DOUBLE_EQ(even_speed_up(84, 7), 7.0);
+    EXPECT_DOUBLE_EQ(even_speed_up(84, 8), 84.0 / 11.0);  // 10 or 11 links each
+    EXPECT_DOUBLE_EQ(even_speed_up(84, 64), 42.0);        // some segments have two links
 }
 
 /// The numbers of threads at which the published speed-up of the forces rises.
