@@ -13,7 +13,6 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 class WorkCommand : public Program {};
-class DrawCommand : public Program {};
 
 TEST_F(WorkCommand, CountsInstructionsByStageAndByThreads) {
     const Outcome outcome =
@@ -43,25 +42,6 @@ TEST_F(WorkCommand, CountsTheTasksOfRigidPins) {
     const Outcome outcome = run({"work", "tiny", "--detail", "rigid", "--method", "auto", "--segments", "1", "-q"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     for (const char* task : {"links", "plates", "tips", "kick"}) EXPECT_THAT(outcome.out, HasSubstr(task));
-}
-
-TEST_F(DrawCommand, DrawsPicturesBelowOneAnother) {
-    write("p.json", R"([{"title": "One", "x": {"label": "step [s]", "scale": "log"}, "y": {"label": "error", "from": 0, "to": 2},
-                         "series": [{"name": "curve", "points": [[1e-6, 1], [1e-5, 2]], "mark": "none", "line": "dashed"}]},
-                        {"title": "Two", "x": {"label": "a"}, "y": {"label": "b"}, "series": [{"points": [[0, 0], [1, 1]]}]}])");
-    const Outcome outcome = run({"draw", "p.json", "-o", "p.svg"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(read("p.svg"), AllOf(HasSubstr(">One</text>"), HasSubstr(">Two</text>"), HasSubstr(">curve</text>")));
-}
-
-TEST_F(DrawCommand, NamesWhatIsWrongWithAPicture) {
-    write("p.json", R"([{"title": "One", "x": {"label": "a", "scale": "cubic"}, "y": {"label": "b"}, "series": []}])");
-    const Outcome cubic = run({"draw", "p.json", "-o", "p.svg"});
-    EXPECT_EQ(cubic.status, 2);
-    EXPECT_THAT(cubic.err, HasSubstr("cubic: no scale of a picture"));
-    write("p.json", R"([{"title": "One"}])");
-    EXPECT_EQ(run({"draw", "p.json", "-o", "p.svg"}).status, 2);
-    EXPECT_FALSE(exists("p.svg"));
 }
 
 }  // namespace

@@ -78,16 +78,6 @@ TEST(Fitted, WideRegionsCanBeMetToo) {
     }
 }
 
-/// A list of eigenvalues instead of a region: oscillations without damping, which the region would not cover.
-TEST(Fitted, FollowsAListOfEigenvalues) {
-    std::vector<std::complex<double>> points;
-    for (int i = 1; i <= 50; ++i) points.emplace_back(0.0, 0.04 * i);
-    for (int i = 1; i <= 50; ++i) points.emplace_back(-3.0 * i, 0.0);
-    const auto fitted = fit(region(150.0, 2.0), points);
-    ASSERT_TRUE(fitted);
-    for (const auto& z : points) EXPECT_LE(std::abs(stability_function(fitted->plan, z)), 1.0 + 1e-9) << z.real() << ' ' << z.imag();
-}
-
 TEST(NightlyFitted, TakesMilliseconds) {
     const auto started = std::chrono::steady_clock::now();
     ASSERT_TRUE(fit(region(200.0, 2.0)));
