@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/method/linear/eigenvalues.hpp"
+#include "bench/method/analysis/eigenvalues.hpp"
 #include "bench/study/spectrum.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tests/lab/study/brief_fixture.hpp"
