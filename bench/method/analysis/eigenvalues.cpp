@@ -1,13 +1,13 @@
 #include "bench/method/analysis/eigenvalues.hpp"
 
+#include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <stdexcept>
 
-#include "bench/method/product_names.hpp"
+#include "model/basis/portable_math.hpp"
 
 namespace cvtflow::bench {
 
@@ -79,78 +79,8 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// An orthonormal basis of the Krylov space and the matrix in this basis: M V = V H + β v e_mᵀ.
-class KrylovBasis {
-public:
-    KrylovBasis(const std::vector<double>& matrix, int size) : matrix_(Eigen::Map<const Matrix>(matrix.data(), size, size).sparseView()) {
-        std::mt19937_64 random(20);  // raw draws are the same everywhere, distributions are not
-        Vector start(size);
-        for (double& entry : start) entry = static_cast<double>(random() >> 11) * 0x1p-53 - 0.5;
-        basis_.resize(size, 1);
-        basis_.col(0) = start.normalized();
-    }
-
-    [[nodiscard]] int dimension() const noexcept { return dimension_; }
-    [[nodiscard]] double beta() const noexcept { return beta_; }
-    [[nodiscard]] auto projected() const { return projected_.topLeftCorner(dimension_, dimension_); }
-
-    /// Adds dimensions up to `requested`, or until the space is invariant (beta() = 0).
-    void grow(int requested) {
-        basis_.conservativeResize(Eigen::NoChange, requested + 1);
-        Matrix larger = Matrix::Zero(requested + 1, requested);
-        if (dimension_ > 0) larger.topLeftCorner(dimension_ + 1, dimension_) = projected_.topLeftCorner(dimension_ + 1, dimension_);
-        projected_ = std::move(larger);
-        while (dimension_ < requested && (dimension_ == 0 || beta_ > 0.0)) extend();
-    }
-
-private:
-    void extend() {
-        const Index k = dimension_;
-        const auto basis = basis_.leftCols(k + 1);
-        Vector next = matrix_ * basis_.col(k);
-        const double before = next.norm();
-        for (int pass = 0; pass < 2; ++pass) {  // twice is enough
-            const Vector shares = basis.transpose() * next;
-            next.noalias() -= basis * shares;
-            projected_.col(k).head(k + 1) += shares;
-        }
-        beta_ = next.norm();
-        if (beta_ <= 1e-14 * before) beta_ = 0.0;
-        projected_(k + 1, k) = beta_;
-        if (beta_ > 0.0) basis_.col(k + 1) = next / beta_;
-        ++dimension_;
-    }
-
-    const Eigen::SparseMatrix<double, Eigen::RowMajor> matrix_;
-    Matrix basis_;      ///< [size, dimension + 1]
-    Matrix projected_;  ///< H and the row of β below it
-    int dimension_ = 0;
-    double beta_ = 0.0;
-};
-
-Eigenvalues ritz_values(const Matrix& hessenberg) {
-    Eigen::RealSchur<Matrix> schur(hessenberg.rows());
-    schur.computeFromHessenberg(hessenberg, Matrix(), false);
-    const Matrix& t = schur.matrixT();
-    Eigenvalues values;
-    for (Index k = 0; k < t.rows(); ++k) {
-        if (k + 1 == t.rows() || t(k + 1, k) == 0.0) {
-            values.emplace_back(t(k, k), 0.0);
-            continue;
-        }
-        const double half = 0.5 * (t(k, k) + t(k + 1, k + 1)), difference = 0.5 * (t(k, k) - t(k + 1, k + 1));
-        const double square = difference * difference + t(k, k + 1) * t(k + 1, k);
-        const double imaginary = std::sqrt(std::abs(square));
-        values.emplace_back(half, imaginary);
-        values.emplace_back(half, -imaginary);
-        ++k;
-    }
-    sort_by_decay(values);
-    return values;
-}
-
 /// |y_m| / ‖y‖ of the Ritz vector: from its last component upwards, row by row of (H - λ) y = 0.
-double last_component(const RowMajor& hessenberg, std::complex<double> value) {
+[[nodiscard]] double last_component(const RowMajor& hessenberg, std::complex<double> value) {
     const Index m = hessenberg.rows();
     Vector real = Vector::Zero(m), imaginary = Vector::Zero(m);
     real[m - 1] = 1.0;
@@ -169,41 +99,137 @@ double last_component(const RowMajor& hessenberg, std::complex<double> value) {
     return last / std::sqrt(real.squaredNorm() + imaginary.squaredNorm());
 }
 
-/// Eigenvalues left of the border, and the pair that oscillates fastest.
-Eigenvalues selected(const Eigenvalues& values, double left_of) {
-    const auto fastest = std::max_element(values.begin(), values.end(),
-                                          [](const auto& a, const auto& b) { return std::abs(a.imag()) < std::abs(b.imag()); });
-    Eigenvalues chosen;
-    for (const auto& value : values) {
-        const bool pair = value.real() == fastest->real() && std::abs(value.imag()) == std::abs(fastest->imag());
-        if (value.real() < left_of || pair) chosen.push_back(value);
+[[nodiscard]] Eigen::VectorXd share_of_all(int size) {
+    Eigen::VectorXd start(size);
+    for (int k = 0; k < size; ++k)
+        start[k] = model::portable_sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
+    return start.normalized();
+}
+
+constexpr double nothing_lost = 0.7;  ///< share of a direction's length left by orthogonalisation, above which rounding has not grown
+
+/// Eigenvalues of a Hessenberg matrix; empty: the iteration does not converge.
+[[nodiscard]] std::vector<std::complex<double>> eigenvalues_of(const Eigen::MatrixXd& hessenberg) {
+    Eigen::RealSchur<Eigen::MatrixXd> schur;
+    schur.computeFromHessenberg(hessenberg, Eigen::MatrixXd(), false);
+    if (schur.info() != Eigen::Success) return {};
+    const Eigen::MatrixXd& t = schur.matrixT();
+    std::vector<std::complex<double>> values;
+    for (Eigen::Index k = 0; k < t.rows(); ++k) {
+        if (k + 1 == t.rows() || t(k + 1, k) == 0.0) {
+            values.emplace_back(t(k, k));
+            continue;
+        }
+        const double half = 0.5 * (t(k, k) - t(k + 1, k + 1));  // a block of two is of a complex pair
+        values.emplace_back(t(k + 1, k + 1) + half, std::sqrt(std::abs(half * half + t(k + 1, k) * t(k, k + 1))));
+        ++k;
     }
-    return chosen;
+    return values;
+}
+
+constexpr double nothing_new = 1e-14;  ///< share of the matrix below which a new direction is rounding
+
+}  // namespace
+
+KrylovSpace::KrylovSpace(int size, int most, const std::vector<double>& start)
+    : size_(size),
+      most_(std::min(size, most)),
+      basis_(static_cast<std::size_t>(size) * static_cast<std::size_t>(most_ + 1)),
+      hessenberg_(static_cast<std::size_t>(most_ + 1) * static_cast<std::size_t>(most_)) {
+    Eigen::Map<Eigen::VectorXd> first(basis_.data(), size);
+    first = share_of_all(size);
+    if (static_cast<int>(start.size()) != size) return;
+    const Eigen::Map<const Eigen::VectorXd> given(start.data(), size);
+    if (given.norm() > 0.0) first = given.normalized();
+}
+
+bool KrylovSpace::grow(const LinearMap& map) {
+    Eigen::Map<Eigen::MatrixXd> basis(basis_.data(), size_, most_ + 1);
+    Eigen::Map<Eigen::MatrixXd> hessenberg(hessenberg_.data(), most_ + 1, most_);
+    Eigen::VectorXd next(size_);
+    if (!map(basis.col(dimension_).data(), next.data()) || !next.allFinite()) return false;
+    const double length = next.norm();
+    for (int pass = 0; pass < 2 && (pass == 0 || next.norm() < nothing_lost * length); ++pass) {  // twice is enough
+        const Eigen::VectorXd shares = basis.leftCols(dimension_ + 1).transpose() * next;
+        next -= basis.leftCols(dimension_ + 1) * shares;
+        hessenberg.col(dimension_).head(dimension_ + 1) += shares;
+    }
+    const double rest = next.norm();
+    hessenberg(dimension_ + 1, dimension_) = rest;
+    ++dimension_;
+    invariant_ = !(rest > nothing_new * hessenberg.topLeftCorner(dimension_, dimension_).norm());
+    if (!invariant_) basis.col(dimension_) = next / rest;
+    return true;
+}
+
+std::vector<std::complex<double>> KrylovSpace::values() const {
+    const Eigen::Map<const Eigen::MatrixXd> hessenberg(hessenberg_.data(), most_ + 1, most_);
+    return eigenvalues_of(hessenberg.topLeftCorner(dimension_, dimension_));
+}
+
+std::vector<double> KrylovSpace::residuals(const std::vector<std::complex<double>>& values) const {
+    const Eigen::Map<const Matrix> hessenberg(hessenberg_.data(), most_ + 1, most_);
+    const RowMajor rows = hessenberg.topLeftCorner(dimension_, dimension_);
+    std::vector<double> all;
+    for (const std::complex<double>& value : values)
+        all.push_back(full() ? 0.0 : hessenberg(dimension_, dimension_ - 1) * last_component(rows, value));
+    return all;
+}
+
+RitzVector KrylovSpace::vector_of(std::complex<double> value) const {
+    const Eigen::Map<const Eigen::MatrixXd> basis(basis_.data(), size_, most_ + 1);
+    const Eigen::Map<const Eigen::MatrixXd> hessenberg(hessenberg_.data(), most_ + 1, most_);
+    Eigen::MatrixXcd shifted = hessenberg.topLeftCorner(dimension_, dimension_).cast<std::complex<double>>();
+    shifted.diagonal().array() -= value * (1.0 + 1e-10);
+    const Eigen::PartialPivLU<Eigen::MatrixXcd> solver(shifted);
+    Eigen::VectorXcd x = Eigen::VectorXcd::Ones(dimension_);
+    for (int step = 0; step < 2; ++step) x = solver.solve(x.normalized()).eval();
+    x.normalize();
+    const Eigen::VectorXcd vector = basis.leftCols(dimension_) * x;
+    return {{vector.data(), vector.data() + vector.size()},
+            invariant_ ? 0.0 : hessenberg(dimension_, dimension_ - 1) * std::abs(x[dimension_ - 1])};
+}
+
+namespace {
+
+/// Eigenvalues left of the border, and the pair that oscillates fastest; of those with an imaginary part of 0 or more.
+[[nodiscard]] Eigenvalues selected(Eigenvalues values, double left_of) {
+    const auto fastest = std::ranges::max_element(values, {}, [](const auto& value) { return value.imag(); });
+    const std::complex<double> pair = *fastest;
+    std::erase_if(values, [&](const auto& value) { return value.real() >= left_of && value != pair; });
+    return values;
 }
 
 }  // namespace
 
 ExtremalEigenvalues extremal_eigenvalues(std::vector<double> matrix, int size, const ExtremalOptions& options) {
     balance(matrix, size);
-    KrylovBasis space(matrix, size);
+    const Eigen::SparseMatrix<double, Eigen::RowMajor> sparse = Eigen::Map<const Matrix>(matrix.data(), size, size).sparseView();
+    const LinearMap map = [&](const double* from, double* to) {
+        Eigen::Map<Vector>(to, size) = sparse * Eigen::Map<const Vector>(from, size);
+        return true;
+    };
+    KrylovSpace space(size, size);
     ExtremalEigenvalues result;
     for (double requested = options.first_dimension;; requested *= 1.3) {
-        space.grow(std::min(static_cast<int>(requested), size));
-        const Matrix hessenberg = space.projected();
-        const RowMajor rows = hessenberg;
-        result.values = selected(ritz_values(hessenberg), options.left_of);
-        result.dimension = space.dimension();
-        result.residual = 0.0;
-        const bool complete = space.dimension() == size || space.beta() == 0.0;
+        while (space.dimension() < requested && !space.full() && space.grow(map)) {}
+        const Eigenvalues halves = selected(space.values(), options.left_of);
+        const std::vector<double> residuals = space.residuals(halves);
+        result = {{}, 0.0, space.dimension()};
         int settled = 0;
-        for (const auto& value : result.values) {
-            const double residual = complete || std::abs(value) == 0.0 ? 0.0 : space.beta() * last_component(rows, value) / std::abs(value);
-            settled += residual <= options.tolerance ? 1 : 0;
+        for (std::size_t k = 0; k < halves.size(); ++k) {
+            const int count = halves[k].imag() > 0.0 ? 2 : 1;
+            const double residual = residuals[k] == 0.0 ? 0.0 : residuals[k] / std::abs(halves[k]);
+            result.values.push_back(halves[k]);
+            if (count == 2) result.values.push_back(std::conj(halves[k]));
+            settled += residual <= options.tolerance ? count : 0;
             result.residual = std::max(result.residual, residual);
         }
         const int asked = static_cast<int>(result.values.size());
         if (options.progress) options.progress(space.dimension(), settled, asked);
-        if (complete || settled == asked) return result;
+        if (!space.full() && settled < asked) continue;
+        sort_by_decay(result.values);
+        return result;
     }
 }
 
