@@ -9,7 +9,6 @@
 #include <string>
 
 #include "bench/method/family/families.hpp"
-#include "bench/method/family/rkc.hpp"
 
 namespace cvtflow::bench {
 

@@ -249,4 +249,11 @@ Action declare_granularity(CLI::App& app) {
     return [arguments] { return granularity(*arguments); };
 }
 
+tools::Action declare_executors(CLI::App&) {
+    return [] {
+        fmt::print("{}\nRuntimes: {}.\n{}", tools::executor_table(), runtime_versions(), tools::absent_executor_text());
+        return tools::ExitStatus::finished;
+    };
+}
+
 }  // namespace cvtflow::bench

@@ -11,10 +11,9 @@
 
 #include "bench/method/analysis/order.hpp"
 #include "bench/method/analysis/stability.hpp"
+#include "bench/method/family/families.hpp"
 #include "bench/method/family/fitted.hpp"
 #include "bench/method/family/near_optimal.hpp"
-#include "bench/method/family/rkc.hpp"
-#include "bench/method/family/rock.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/engine/method/plan_fixture.hpp"
 

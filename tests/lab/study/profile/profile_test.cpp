@@ -7,13 +7,17 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <filesystem>
+#include <iterator>
 #include <stdexcept>
 
 #include "bench/count/instructions.hpp"
 #include "bench/study/profile/counted_work.hpp"
 #include "bench/study/profile/measure.hpp"
+#include "bench/study/profile/other_load.hpp"
 #include "bench/study/profile/statistics.hpp"
 #include "engine/executor/catalogue.hpp"
+#include "engine/thread/pinning.hpp"
 #include "tasks/step/control/energy_ledger.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
@@ -251,5 +255,39 @@ TEST(Statistics, QuartilesEncloseTheMedian) {
     EXPECT_EQ(spread({7.0}).upper_quartile, 7.0);
 }
 
+std::ptrdiff_t thread_count() { return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {}); }
+
+TEST(BusyNeighbours, BurnTimeAndLeave) {
+    const std::ptrdiff_t before = thread_count();
+    {
+        const BusyNeighbours two(2);
+        EXPECT_EQ(thread_count(), before + 2);
+        while (two.processor_seconds() < 0.005) {}
+    }
+    EXPECT_EQ(thread_count(), before);
+    const BusyNeighbours none(0);
+    EXPECT_EQ(none.processor_seconds(), 0.0);
+}
+
+TEST(Crowding, OneThreadGetsOneProcessorAtMost) {
+    const double got = processors_got(1, 0.02);
+    EXPECT_GT(got, 0.0);
+    EXPECT_LE(got, 1.0);
+}
+
+TEST(Crowding, ThreadsCannotGetMoreThanThereIs) {
+    const int processors = engine::Processors().count();
+    EXPECT_LE(processors_got(2 * processors, 0.05), 1.15 * processors);  // pieces run at different speeds where processors differ
+}
+
+/// Beside twice as many threads that do nothing but spin, a third of the machine is left. Half would be a lot: time slices are some
+/// milliseconds.
+TEST(Crowding, BusyNeighboursShow) {
+    const int processors = engine::Processors().count();
+    const BusyNeighbours neighbours(2 * processors);
+    EXPECT_LT(processors_got(processors, 0.3), 0.75 * processors);
+}
+
 }  // namespace
+
 }  // namespace cvtflow::bench
