@@ -1,5 +1,5 @@
 #pragma once
-/// A profile as CSV, JSON and trace, with the origin of its numbers. Tables for people: bench/lab/report/profile_report.hpp.
+/// A profile as CSV and trace, with the origin of its numbers. Tables for people: bench/lab/report/profile_report.hpp.
 
 #include <string>
 
@@ -12,9 +12,6 @@ namespace cvtflow::bench {
 
 /// One row per schedule and load, provenance in every row; times in microseconds.
 [[nodiscard]] std::string profile_csv(const tasks::Scene& scene, const Profile& profile);
-
-/// Everything but the single spans; times in seconds.
-[[nodiscard]] std::string profile_json(const tasks::Scene& scene, const MeasureOptions& options, const Profile& profile);
 
 /// Stages of the recorded passes, one row per schedule, thread and stage: the published chart of times per thread, and of serial:staged the
 /// one of sequential time.

@@ -71,13 +71,11 @@ MeasureOptions options_of(const ProfileArguments& arguments) {
 }
 
 /// @return written() of the folder of -o
-std::string write_files(const ProfileArguments& arguments, const tasks::Scene& scene, const MeasureOptions& options,
-                        const Profile& result) {
+std::string write_files(const ProfileArguments& arguments, const tasks::Scene& scene, const Profile& result) {
     if (!arguments.trace.empty()) write_file(arguments.trace, profile_trace(result));
     OutputFolder folder(arguments.output);
     folder.write("profile.csv", profile_csv(scene, result));
     folder.write("stages.csv", profile_stages_csv(scene, result));
-    folder.write("profile.json", profile_json(scene, options, result));
     folder.write("stages.svg", svg(stages_plot(scene.name, result)));
     folder.write("loads.svg", svg(loads_plot(scene.name, result)));
     return folder.written();
@@ -102,7 +100,7 @@ ExitStatus profile(const ProfileArguments& arguments) {
          {timing_text(result), gains_text(result), neighbours_text(result), stages_text(result), serial_text(result)}) {
         if (!part.empty()) fmt::print("\n{}", part);
     }
-    fmt::print("{}", write_files(arguments, scene, options, result));
+    fmt::print("{}", write_files(arguments, scene, result));
     for (const std::string& line : result.differences) print_error(fmt::format("states differ: {}", line));
     return result.differences.empty() ? ExitStatus::finished : ExitStatus::error;
 }
@@ -127,7 +125,7 @@ constexpr const char* profile_explanation =
     "Speed-ups against serial's turn of the same round are kept apart by the bare barrier just before the turn, near and far.\n"
     "Independent runs, as many serial ones at once as threads, show what the processors give without any synchronisation.\n"
     "Figures require a quiet machine: calibrations before, during and after (each thread counts arithmetic for 50 ms) and the schedules\n"
-    "must obtain nine tenths of the processors. -o writes profile.csv, stages.csv, profile.json, stages.svg, loads.svg.\n"
+    "must obtain nine tenths of the processors. -o writes profile.csv, stages.csv, stages.svg, loads.svg.\n"
     "OpenMP's runtimes read OMP_WAIT_POLICY, GOMP_SPINCOUNT and KMP_BLOCKTIME when they are loaded; rows of tables state them.";
 
 void declare_waits_and_files(CLI::App& app, ProfileArguments& arguments) {

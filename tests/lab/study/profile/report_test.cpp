@@ -64,16 +64,6 @@ TEST_F(Report, CsvHasARowPerScheduleAndLoadOfEqualWidth) {
     EXPECT_EQ(rows[3][7], "60.0000");  // median step [us]
 }
 
-TEST_F(Report, JsonContainsEverythingWithItsOrigin) {
-    const auto json = nlohmann::json::parse(profile_json(scene_, {}, profile_));
-    EXPECT_EQ(json["scene"], scene_.name);
-    for (const char* key : {"compiler", "flags", "tbb", "openmp", "cores", "commit"}) EXPECT_TRUE(json["provenance"].contains(key)) << key;
-    EXPECT_THAT(json["provenance"]["flags"].get<std::string>(), HasSubstr("-ffp-contract=off"));
-    ASSERT_EQ(json["schedules"].size(), 2u);
-    EXPECT_EQ(json["schedules"][1]["loads"][0]["step"]["median"], 6e-5);
-    EXPECT_EQ(json["bare_barrier"][0]["seconds"], 1.8e-7);
-}
-
 TEST_F(Report, StagesHaveARowPerScheduleThreadAndStage) {
     engine::TaskGraph graph;
     graph.add({"force[0]", 0, [](void*, int) noexcept {}, 0, {}, "all forces (fused)"});
