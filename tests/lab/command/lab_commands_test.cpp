@@ -72,35 +72,12 @@ TEST_F(LabCommands, LocalErrorOfSeveralMethodsIsATableAndAPictureEach) {
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out,
                 AllOf(HasSubstr("tiny: error of one step of rk4 (order 4"), HasSubstr("\ntiny: error of one step of heun (order 2")));
-    EXPECT_THAT(
-        outcome.out,
-        HasSubstr("\n  written             errors/local-error.csv, errors/local-error.json, errors/local-error-axial-force-piecewise.svg, "
-                  "errors/local-error-velocities-piecewise.svg\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  written             errors/local-error.csv, errors/local-error-axial-force-piecewise.svg, "
+                                       "errors/local-error-velocities-piecewise.svg\n"));
     EXPECT_THAT(read("errors/local-error.csv"),
                 AllOf(StartsWith("method,friction,step,positions,velocities,axial_force,tension\nrk4,piecewise,1.6"),
                       HasSubstr("\nheun,piecewise,8")));
     EXPECT_THAT(read("errors/local-error-velocities-piecewise.svg"), AllOf(HasSubstr(">rk4</text>"), HasSubstr(">heun</text>")));
-}
-
-TEST_F(LabCommands, WriteAsJsonWhatTheyMeasure) {
-    const auto json_of = [&](const std::vector<std::string>& words, const std::string& file) {
-        const Outcome outcome = run(words + std::vector<std::string>{"--json"});
-        EXPECT_EQ(outcome.status, 0) << outcome.err;
-        EXPECT_THAT(outcome.out, HasSubstr("\n  written             results/" + file + "\n"));
-        const auto json = nlohmann::json::parse(read("results/" + file));
-        EXPECT_TRUE(json["provenance"].contains("commit")) << file;
-        return json;
-    };
-    const auto errors =
-        json_of(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns"} + brief_settling,
-                "local-error.json");
-    ASSERT_EQ(errors["curves"].size(), 2u);
-    EXPECT_GT(double(errors["curves"][1]["errors"][0]["velocities"]), double(errors["curves"][0]["errors"][0]["velocities"]))
-        << "heun has half the order";
-    const auto maps = json_of({"stability", "rk4", "leapfrog-rkc", "sw2", "-q"}, "stability.json");
-    EXPECT_NEAR(double(maps["tables"][0]["imaginary"]), 2.0 * std::sqrt(2.0), 1e-3);
-    EXPECT_NEAR(double(maps["programs"][0]["oscillator"]["h_omega"]), 2.0, 1e-3);  // of every leapfrog
-    EXPECT_TRUE(maps["programs"][1].contains("linear"));
 }
 
 /// Methods that the program has not, and keys of detail, are measured as choices.
