@@ -16,6 +16,10 @@ using namespace engine;
 
 namespace {
 
+/// A team of std::jthreads that meets at a barrier after every level: the simplest of the parallel executors, and the one that
+/// ThreadSanitizer can check. It exists during a run; the calling thread is its first member and the only one that calls the controller. It
+/// runs without threads that the system refuses to start.
+///
 /// Proof that this is free of races: one level at a time is open. The caller C writes what the level is, then stores its number to
 /// `opened`; a worker W loads that number, runs its share, then stores the number to its `done`; C loads every `done`.
 ///
@@ -96,13 +100,24 @@ private:
     std::vector<std::jthread> threads_;  ///< last, so that they have left before the rest goes
 };
 
-}  // namespace
-
-void Barrier::execute(Run& run, int first) {
-    Team team(run, options());
+void run_by_barriers(Run& run, const ExecutorOptions& options, int first) {
+    Team team(run, options);
     for (int cycle = first; cycle != Controller::stop; cycle = run.decide(0)) {
         for (int level = 0; level < run.graph().levels(cycle); ++level) team.run_level(run.graph().level(cycle, level));
     }
+}
+
+constexpr Way barrier{"barrier", run_by_barriers};
+
+}  // namespace
+
+Runtime barrier_runtime() {
+    return {"",
+            {{.name = barrier.name,
+              .description = "own threads that meet at a barrier after every level",
+              .parallel = true,
+              .waiting = Waiting::own,
+              .make = make<barrier>}}};
 }
 
 }  // namespace cvtflow::bench

@@ -1,5 +1,5 @@
 #pragma once
-/// The executors that are compared with those of the program: one row each in further_executors.cpp.
+/// The executors that are compared with those of the program: one row each in the source of its runtime.
 
 #include <string>
 
@@ -10,11 +10,7 @@ void add_further_executors();
 
 /// "201511" (the date of the standard that the compiler supports), or "none".
 [[nodiscard]] std::string openmp_version();
-/// "1.74.0" (the version of Boost, which contains Asio), or "none".
-[[nodiscard]] std::string asio_version();
-/// "4.1.0", or "none".
-[[nodiscard]] std::string taskflow_version();
-/// Text for users: "oneTBB 2021.8, interface 12080" and these.
+/// Text for users: "oneTBB 2021.8, interface 12080; OpenMP 201511; Boost 1.74.0".
 [[nodiscard]] std::string runtime_versions();
 
 /// Number of members of an OpenMP team that may be requested: its runtime keeps a team for every thread that ever began one.

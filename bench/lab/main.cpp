@@ -15,7 +15,6 @@ constexpr const char* schedule = "Commands about schedules";
 constexpr const char* method = "Commands about methods";
 constexpr const char* accuracy = "Commands about accuracy";
 constexpr const char* machine = "Commands about machines";
-constexpr const char* pictures = "Commands about pictures";
 
 /// Commands in the order of the help text.
 std::span<const tools::Command> commands() noexcept {
@@ -38,7 +37,6 @@ std::span<const tools::Command> commands() noexcept {
         Command{"method", method, "Show a method: order, stability, growth of errors within a step, table", declare_method},
         Command{"stability", method, "Draw stability regions of methods, with the eigenvalues of a scene", declare_stability},
         Command{"spectrum", method, "Compute the eigenvalues of a scene's Jacobian, and the contacts that cause them", declare_spectrum},
-        Command{"fit", method, "Fit a stability polynomial to a scene's spectrum", declare_fit},
         Command{"local-error", method, "Measure the error of a single step against its length", declare_local_error},
         Command{"compare", accuracy, "Run methods and steps on a scene: errors, time, Newton's method, a pin's force", declare_compare},
         Command{"tune", accuracy, "Measure levels of detail, methods and steps against each other: cost, errors of means, front",
@@ -47,7 +45,6 @@ std::span<const tools::Command> commands() noexcept {
         Command{"lottery", accuracy, "Run machines drawn by chance with defaults and count how they end", declare_lottery},
         Command{"belt", accuracy, "Solve the theory of a continuous belt for a machine: thrust ratio, slip, shift, arcs", declare_belt},
         Command{"noise", machine, "Search a sequence of pitches with little tonality: forces and torques by orders", declare_noise},
-        Command{"draw", pictures, "Draw curves from numbers, as the pictures of the other commands", declare_draw},
     };
     return rows;
 }

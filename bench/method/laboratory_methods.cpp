@@ -8,7 +8,6 @@
 
 #include "bench/method/analysis/stability.hpp"
 #include "bench/method/family/families.hpp"
-#include "bench/method/family/rkc.hpp"
 #include "bench/method/fitted_method.hpp"
 #include "bench/method/implicit/catalogue.hpp"
 #include "bench/method/implicit/linear_method.hpp"

@@ -128,9 +128,10 @@ std::vector<RunCost> bench_run(const Scene& scene, int rounds) {
         if (fault) throw SimulationError(fault.message());
         return watch.cpu();
     };
-    const auto bare = [&] {
+    const auto bare = [&](bool watched) {
         SilentObserver silent;
         Simulation simulation(scene, Schedule{});
+        simulation.keep_energies(watched);
         Fault fault;
         if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, silent, never);
         return fault ? fault : simulation.advance({.until = scene.run.until}, silent, never);
@@ -145,8 +146,8 @@ std::vector<RunCost> bench_run(const Scene& scene, int rounds) {
     };
     std::vector<RunCost> costs;
     for (int round = 0; round < rounds; ++round) {
-        const double alone = timed(bare);
-        costs.push_back({alone, timed([&] { return whole({}); }), timed([&] { return whole(folder.path() / "run.h5"); })});
+        const double unwatched = timed([&] { return bare(false); }), watched = timed([&] { return bare(true); });
+        costs.push_back({unwatched, watched, timed([&] { return whole({}); }), timed([&] { return whole(folder.path() / "run.h5"); })});
     }
     return costs;
 }

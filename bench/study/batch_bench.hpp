@@ -28,12 +28,13 @@ struct BatchBench {
 
 /// Processor time of a run [s], settling included.
 struct RunCost {
-    double bare;      ///< simulation with a silent observer: no output is computed, energies are watched as in every run
-    double observed;  ///< simulation with outputs and the summary, but no record
-    double recorded;  ///< simulation with a record of the scene's channels
+    double unwatched;  ///< steps alone: no output is computed, energies are not watched
+    double bare;       ///< simulation with a silent observer: no output is computed, energies are watched as in every run
+    double observed;   ///< simulation with outputs and the summary, but no record
+    double recorded;   ///< simulation with a record of the scene's channels
 };
 
-/// Runs the scene in all three ways by turns, on one thread; one element per round. The record goes to a folder that is removed.
+/// Runs the scene in all four ways by turns, on one thread; one element per round. The record goes to a folder that is removed.
 /// @throws as run_scene
 [[nodiscard]] std::vector<RunCost> bench_run(const tasks::Scene& scene, int rounds);
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/method/analysis/eigenvalues.hpp"
 #include "bench/method/jacobian/jacobian.hpp"
-#include "bench/method/linear/eigenvalues.hpp"
 #include "bench/study/stability/stable_step.hpp"
 
 namespace cvtflow::bench {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/method/linear/eigenvalues.hpp"
+#include "bench/method/analysis/eigenvalues.hpp"
 #include "model/variator/variator.hpp"
 #include "tasks/step/integration_state.hpp"
 

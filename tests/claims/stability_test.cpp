@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/method/analysis/eigenvalues.hpp"
 #include "bench/method/laboratory_methods.hpp"
-#include "bench/method/linear/eigenvalues.hpp"
 #include "bench/method/stability/program_stability.hpp"
 #include "bench/study/run_watch.hpp"
 #include "bench/study/spectrum.hpp"

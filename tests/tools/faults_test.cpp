@@ -45,7 +45,6 @@ const std::map<std::string, std::string> left_out{
     {"sweep-cost", "runs sweeps by turns as batch does, in a folder that it removes"},
     {"run-cost", "runs a scene by turns as run does, in a folder that it removes"},
     {"work", "counts every instruction of a step: a second and more; writes tables as profile does"},
-    {"draw", "reads the JSON that other commands write, and writes a picture as plot does"},
     {"reduce", "a minute of processor time; it runs batch and run, and Python writes, which the faults do not reach"},
     {"clamp", "likewise"},
     {"tune", "10 s of processor time, measured in rounds; writes tables as compare does, and a scene as settle does a state"}};
@@ -80,7 +79,6 @@ const std::vector<Order>& orders() {
                               "--interval", "1us", "--rounds", "1", "--pin", "0", "--newton", "-q"})},
         {"local-error", measured({"local-error", "tiny", "--methods", "rk4", "--steps", "200ns,100ns"})},
         {"spectrum", measured({"spectrum", "tiny", "--extremal", "-q"})},
-        {"fit", measured({"fit", "tiny", "--step", "1us"})},
         // Two threads on any machine: oneTBB ends the process where one of many is refused after our trial (docs/security.md, Threads).
         {"profile", measured({"profile", "tiny", "--step", "100ns", "--schedules", "serial:staged", "--threads", "1,2", "--steps", "2",
                               "--rounds", "1", "--neighbours", "0", "--round-ms", "1", "-q"})},

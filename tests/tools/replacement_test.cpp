@@ -297,7 +297,7 @@ TEST_F(Replacement, LosesNoInputByForce) {
         {{"report", "first", "-o", "first/cases.h5"}, "first/cases.h5" + input},
         {{"export", "own.h5", "--csv", "own.h5"}, "own.h5" + input},
 #ifdef CVTFLOW_LAB
-        {{"profile", "scene.toml", "--csv", "scene.toml"}, "scene.toml" + input + "scene.toml"},
+        {{"profile", "scene.toml", "--trace", "scene.toml"}, "scene.toml" + input + "scene.toml"},
 #endif
     };
     const auto before = files();

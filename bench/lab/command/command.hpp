@@ -7,7 +7,6 @@ namespace cvtflow::bench {
 
 tools::Action declare_local_error(CLI::App& app);
 tools::Action declare_method(CLI::App& app);
-tools::Action declare_fit(CLI::App& app);
 tools::Action declare_compare(CLI::App& app);
 tools::Action declare_spectrum(CLI::App& app);
 tools::Action declare_stability(CLI::App& app);
@@ -22,6 +21,5 @@ tools::Action declare_extremes(CLI::App& app);
 tools::Action declare_lottery(CLI::App& app);
 tools::Action declare_belt(CLI::App& app);
 tools::Action declare_noise(CLI::App& app);
-tools::Action declare_draw(CLI::App& app);
 
 }  // namespace cvtflow::bench

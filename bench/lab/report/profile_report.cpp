@@ -183,96 +183,15 @@ std::string serial_text(const Profile& profile) {
         text += fmt::format("  {:<20} {:>5.1f} % {:>9} us per step  {}\n", profile.stages.rows()[row].name, 100.0 * share,
                             microseconds(per_step), std::string(static_cast<std::size_t>(std::lround(50.0 * share)), '#'));
     }
-    return text;
+    const double serial_share = profile.results.front().recording.pass.serial_share();
+    return text + field("serial share", fmt::format("{:.2f} % of serial:fused; Amdahl's law allows {:.3g} with 16 threads",
+                                                    100.0 * serial_share, 1.0 / (serial_share + (1.0 - serial_share) / 16.0)));
 }
-
-namespace {
-
-std::string measured_cell(const Profile& profile, int threads) {
-    const ScheduleResult* best = profile.best_fused(threads);
-    return best == nullptr ? "" : fmt::format("{:.2f} ({})", best->loads.front().speed_up, best->schedule.executor);
-}
-
-std::string synchronisation_text(const ProfileModel& model) {
-    const PathCosts& costs = model.costs;
-    std::string text =
-        fmt::format("per cycle {} us + {} us x M, or {} us + {} us x log2(M)", microseconds(costs.synchronisation),
-                    microseconds(costs.per_thread), microseconds(costs.synchronisation_tree), microseconds(costs.per_doubling));
-    if (model.assumed) return text + "; assumed: the machine is too busy to measure it";
-    text += "; measured";
-    for (const ThreadCost& cost : model.synchronisation) text += fmt::format(" {} us (M = {})", microseconds(cost.seconds), cost.threads);
-    return text;
-}
-
-std::string costs_text(const Profile& profile) {
-    const PathCosts& costs = profile.model.costs;
-    const auto touching = std::count(profile.model.touching.begin(), profile.model.touching.end(), true);
-    const double serial = profile.results.front().loads.front().step.median;
-    std::string text =
-        field("link", fmt::format("{} us free, {} us touching ({} of {}), detection {} us; the fit leaves {:.1f} %",
-                                  microseconds(costs.free), microseconds(costs.touching), touching, profile.model.touching.size(),
-                                  microseconds(costs.detect), 100.0 * profile.model.fit_error));
-    text += field("segment", fmt::format("{} us per evaluation for the neighbours' joints", microseconds(costs.border)));
-    text += field("controller", fmt::format("{} us per cycle, {:.2f} evaluation cycles and {:.2f} other cycles per step",
-                                            microseconds(costs.controller), costs.evaluations, 1.0 + costs.other_cycles));
-    text += field("stretch", profile.model.stretched ? fmt::format("tasks on several threads take {:.3f} times as long", costs.stretch)
-                                                     : "not measured: no fused schedule got all its threads");
-    text += field("jitter", fmt::format("{:.3f} us per evaluation and square root of links", 1e6 * costs.jitter));
-    text += field("synchronisation", synchronisation_text(profile.model));
-    text += field("serial step",
-                  fmt::format("{} us by this model, {} us measured", microseconds(profile.model.serial_step), microseconds(serial)));
-    return text + field("serial share", fmt::format("{:.2f} %", 100.0 * profile.model.serial_share));
-}
-
-}  // namespace
 
 std::string crowding_text(const Profile& profile) {
     if (profile.calibrated < 0.0) return {};
     return fmt::format("calibration got {:.2f} of {} processors, the schedules {:.2f}; {:.2f} are required", profile.calibrated,
                        profile.processors_requested(), profile.processors_got(), crowded_below * profile.processors_requested());
-}
-
-std::string no_prediction_text(const Profile& profile) {
-    if (profile.own_cycles())
-        return "the model of the critical path has stages and their detection; the method runs other cycles, for which it was wrong by a "
-               "factor of up to two";
-    return crowding_text(profile) + ". Other processes are busy (--predict overrides)";
-}
-
-std::string model_text(const Profile& profile) {
-    if (!profile.predicts()) return fmt::format("No prediction: {}.\n", no_prediction_text(profile));
-    std::string text = "Critical path (fused, a thread per segment):\n" + costs_text(profile);
-    Table table(
-        {right("M"), right("ideal"), right("N/N_max"), right("Amdahl"), right("critical path"), right("bounds"), right("measured")});
-    for (const SpeedUpRow& row : profile.model.curves) {
-        const std::string measured = measured_cell(profile, row.threads);
-        const bool round = row.threads <= 4 || row.threads % 16 == 0 || (row.threads <= 16 && row.threads % 4 == 0) || row.threads == 6 ||
-                           row.threads == 24;
-        if (!round && measured.empty()) continue;
-        table.add({fmt::format("{}", row.threads), fmt::format("{:.2f}", row.ideal), fmt::format("{:.2f}", row.even),
-                   fmt::format("{:.2f}", row.amdahl), fmt::format("{:.2f}", row.predicted),
-                   fmt::format("{:.2f} .. {:.2f}", row.low, row.high), measured});
-    }
-    const int known = profile.model.assumed ? 0 : profile.model.synchronisation.back().threads;
-    return text + table.text(2) +
-           fmt::format(
-               "  Beyond M = {} synchronisation is extrapolated: by the linear law; bounds: threads beyond cost {:.0f} times as much, and "
-               "the logarithmic law without jitter.\n",
-               known, far);
-}
-
-std::string predictions_text(const Profile& profile) {
-    if (!profile.predicts()) return {};
-    Table table({{"schedule"}, right("threads"), right("segments"), right("predicted"), right("measured"), right("error")});
-    for (const ScheduleResult& result : profile.results) {
-        const LoadResult& load = result.loads.front();
-        if (result.predicted <= 0.0 || load.rounds == 0) continue;
-        std::vector<std::string> cells = schedule_cells(result);
-        cells.insert(cells.end(), {fmt::format("{:.2f}", result.predicted), factor(load.speed_up),
-                                   fmt::format("{:+.1f} %", 100.0 * (result.predicted / load.speed_up - 1.0))});
-        table.add(cells);
-    }
-    return "Predicted and measured speed-ups (each with the synchronisation of its executor, if all threads ran)\n" + table.text();
 }
 
 namespace {
@@ -327,32 +246,6 @@ Plot loads_plot(const std::string& scene, const Profile& profile) {
         }
         plot.series.push_back(std::move(series));
     }
-    return plot;
-}
-
-Plot curves_plot(const std::string& scene, const Profile& profile) {
-    Plot plot;
-    plot.title = fmt::format("Speed-up of {} by threads", scene);
-    plot.subtitle = fmt::format("lines predict, dots are measured (best fused schedule); {}", measured_on());
-    plot.x = {"threads", Scale::logarithmic, 1.0, {}, {}};
-    plot.y = {"speed-up", Scale::logarithmic, 1.0, {}, {}};
-    Series ideal{"ideal", {}, Mark::none, Line::dashed, "#999999"}, even{"whole links only", {}, Mark::none, Line::solid, ""},
-        amdahl{"Amdahl", {}, Mark::none, Line::solid, ""}, path{"critical path", {}, Mark::none, Line::solid, "", 3.0},
-        low{"its bounds", {}, Mark::none, Line::dashed, palette(2)}, high{"", {}, Mark::none, Line::dashed, palette(2)},
-        measured{"measured", {}, Mark::square, Line::none, "#000000"};
-    for (const SpeedUpRow& row : profile.model.curves) {
-        const double threads = row.threads;
-        ideal.points.push_back({threads, row.ideal});
-        even.points.push_back({threads, row.even});
-        amdahl.points.push_back({threads, row.amdahl});
-        path.points.push_back({threads, row.predicted});
-        low.points.push_back({threads, row.low});
-        high.points.push_back({threads, row.high});
-        const ScheduleResult* best = profile.best_fused(row.threads);
-        if (best != nullptr) measured.points.push_back({threads, best->loads.front().speed_up});
-    }
-    plot.series = {std::move(ideal), std::move(even), std::move(amdahl),  std::move(path),
-                   std::move(low),   std::move(high), std::move(measured)};
     return plot;
 }
 

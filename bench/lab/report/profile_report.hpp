@@ -19,15 +19,8 @@ namespace cvtflow::bench {
 [[nodiscard]] std::string stages_text(const Profile& profile);
 /// Sequential time by stage: of the serial staged run, or of the fused one if that was not measured.
 [[nodiscard]] std::string serial_text(const Profile& profile);
-/// Processors that the calibrations obtained, and the number that a prediction requires; empty without calibration.
+/// Processors that the calibrations obtained; empty without calibration.
 [[nodiscard]] std::string crowding_text(const Profile& profile);
-/// Reason why a profile has no prediction.
-[[nodiscard]] std::string no_prediction_text(const Profile& profile);
-/// Costs, three curves and the critical path beside measurements; on a busy machine the reason for their absence.
-[[nodiscard]] std::string model_text(const Profile& profile);
-
-/// Predicted speed-up of every schedule beside the measured one.
-[[nodiscard]] std::string predictions_text(const Profile& profile);
 
 /// "CCCCHHHH..": shares of a thread's time as letters, largest remainders filled up to exactly `width`.
 [[nodiscard]] std::string stage_bar(const ThreadTimes& times, const std::vector<StageRow>& rows, int width);
@@ -37,7 +30,5 @@ namespace cvtflow::bench {
 [[nodiscard]] tools::Plot stages_plot(const std::string& scene, const Profile& profile);
 /// Time per step beside busy neighbours, a curve per schedule.
 [[nodiscard]] tools::Plot loads_plot(const std::string& scene, const Profile& profile);
-/// Speed-ups by the number of threads: three curves, the critical path and measurements. For profiles with a prediction.
-[[nodiscard]] tools::Plot curves_plot(const std::string& scene, const Profile& profile);
 
 }  // namespace cvtflow::bench

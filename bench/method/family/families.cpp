@@ -8,8 +8,6 @@
 #include "bench/method/analysis/order.hpp"
 #include "bench/method/family/fitted.hpp"
 #include "bench/method/family/near_optimal.hpp"
-#include "bench/method/family/rkc.hpp"
-#include "bench/method/family/rock.hpp"
 
 namespace cvtflow::bench {
 

@@ -7,6 +7,7 @@
 
 #include "bench/method/product_names.hpp"
 #include "engine/method/catalogue.hpp"
+#include "engine/method/stage_plan.hpp"
 
 namespace cvtflow::bench {
 
@@ -22,5 +23,40 @@ namespace cvtflow::bench {
 [[nodiscard]] std::vector<StagePlan> family_examples();
 /// rkc, rock2, rock4, serk2, fitted; members are made with their orders.
 [[nodiscard]] std::span<const MethodFamily> families() noexcept;
+
+// Runge-Kutta-Chebyshev methods of order 2 with any number of stages.
+// Source: Sommeijer, Shampine, Verwer, RKC: an explicit solver for parabolic PDEs, J. Comput. Appl. Math. 88 (1998) 315-326.
+
+inline constexpr int min_rkc_stages = 2;
+inline constexpr int max_rkc_stages = 400;
+inline constexpr double rkc_damping = 2.0 / 13.0;  ///< [1]
+inline constexpr double max_rkc_damping = 100.0;   ///< [1]
+
+/// The plan named rkc-s<stages>, or rkc-s<stages>-e<damping> if the damping is not the usual one. Stable on the real axis up to about
+/// 0.653 stages² (damping 2/13), 0.35 stages² (10), 0.27 stages² (20); more damping widens the region along the imaginary axis.
+/// Three state slots and two slope slots take turns, whatever the number of stages.
+/// @param damping ε ≥ 0; for small ε, |R| ≤ 1 - ε/3 inside the interval
+/// damping [1]
+/// @throws std::invalid_argument outside the limits above
+[[nodiscard]] StagePlan rkc(int stages, double damping = rkc_damping);
+
+/// Method of a name such as "rkc-s37" or "rkc-s37-e10"; nothing if it is no such name or out of the limits.
+[[nodiscard]] std::optional<StagePlan> rkc_by_name(std::string_view name);
+
+/// Length of its real interval. damping [1]
+[[nodiscard]] double rkc_reach(int stages, double damping);
+
+/// The plan without a last stage that only evaluates the result, for uses that need neither that slope nor an error estimate.
+[[nodiscard]] StagePlan without_last_evaluation(const StagePlan& plan);
+
+// ROCK4 (Abdulle 2002): order 4 with an embedded order 3, real interval 0.24 stages² for 5, 0.32 for 10, 0.35 from 30 on.
+
+inline constexpr int min_rock4_stages = 5;
+/// Tables could be made for up to 400. But an error in one stage grows like stages⁸·⁸: 100 stages make a thousandth of a rounding error.
+inline constexpr int max_rock4_stages = 100;
+
+/// @param stages evaluations of a step; the last stage of the table serves the next step
+/// @throws std::invalid_argument outside 5 … 400
+[[nodiscard]] StagePlan rock4(int stages);
 
 }  // namespace cvtflow::bench

@@ -9,7 +9,6 @@
 #include <string>
 
 #include "bench/method/family/families.hpp"
-#include "bench/method/family/rkc.hpp"
 
 namespace cvtflow::bench {
 
@@ -152,17 +151,6 @@ std::vector<Point> region(const FitRequest& request) {
     return points;
 }
 
-std::vector<Point> region(const FitRequest& request, std::span<const Complex> eigenvalues) {
-    std::vector<Point> points;
-    for (const Complex& z : eigenvalues) {
-        const Complex held(std::min(z.real(), 0.0), std::abs(z.imag()));
-        if (std::abs(held) <= inner) continue;
-        points.push_back({held, held.imag() < 1e-3 * std::abs(held) ? real_bound(request, held.real()) : 1.0});
-    }
-    add_real_axis(points, request);  // between the eigenvalues too: they move
-    return points;
-}
-
 /// max |R|/bound and each point's share of it.
 struct Residuals {
     Eigen::VectorXd values;  ///< [points]
@@ -267,7 +255,8 @@ std::optional<FittedMethod> fit_points(const FitRequest& request, const std::vec
 }
 
 /// Increases the stages until a fit is found, then halves the interval: if s stages suffice, so do s + 1.
-std::optional<FittedMethod> min_stages(const FitRequest& request, const std::vector<Point>& points) {
+std::optional<FittedMethod> min_stages(const FitRequest& request) {
+    const std::vector<Point> points = region(request);
     int too_few = std::max(min_fitted_stages, static_cast<int>(std::sqrt(request.real / 0.85))) - 1;
     int enough = too_few + 1;
     std::optional<FittedMethod> found = fit_points(request, points, enough);
@@ -296,12 +285,7 @@ std::optional<FittedMethod> fit(const FitRequest& request, int stages) {
 
 std::optional<FittedMethod> fit(const FitRequest& request) {
     require_limits(request);
-    return min_stages(request, region(request));
-}
-
-std::optional<FittedMethod> fit(const FitRequest& request, std::span<const Complex> points) {
-    require_limits(request);
-    return min_stages(request, region(request, points));
+    return min_stages(request);
 }
 
 std::optional<StagePlan> fitted_by_name(std::string_view name) {

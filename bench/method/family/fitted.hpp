@@ -73,10 +73,6 @@ inline constexpr double max_fitted_imaginary = 50.0;  ///< [1]
 [[nodiscard]] std::optional<FittedMethod> fit(const FitRequest& request, int stages);
 /// The one with the fewest stages; nothing if max_fitted_stages do not do.
 [[nodiscard]] std::optional<FittedMethod> fit(const FitRequest& request);
-/// The fitted method for a given list of eigenvalues h λ instead of the region: bound 1 each, ripple beyond |z| = 4 for those on the real
-/// axis. Points with a real part above 0 are moved to the imaginary axis: no method can damp them.
-[[nodiscard]] std::optional<FittedMethod> fit(const FitRequest& request, std::span<const std::complex<double>> points);
-
 /// fitted-l<L>-w<W>[-s<stages>][-p<order>][-r<ripple>], e.g. fitted-l200-w2; nothing if it is no such name, out of the limits or cannot be
 /// met.
 [[nodiscard]] std::optional<StagePlan> fitted_by_name(std::string_view name);

@@ -1,4 +1,4 @@
-#include "bench/method/family/rkc.hpp"
+#include "bench/method/family/families.hpp"
 
 #include <array>
 #include <charconv>

@@ -1,6 +1,6 @@
 /// ROCK2 and ROCK4: near-optimal stability polynomials of order 2 and 4 as stages.
 
-#include "bench/method/family/rock.hpp"
+#include "bench/method/family/families.hpp"
 
 #include <array>
 #include <cstddef>

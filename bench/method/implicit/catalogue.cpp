@@ -51,6 +51,7 @@ constexpr NewtonVariant variants[] = {
             .slope_slots = TrapezoidalMethod::slope_slots,
             .make = [&variant](Workspace& w) { return std::make_unique<TrapezoidalMethod>(w, variant.options); },
             .solves = "1 an iteration, for the whole state",
+            .revision = 2,
             .missing = missing_halves};
 }
 
@@ -73,6 +74,7 @@ constexpr NewtonVariant variants[] = {
             .make = [&plan](Workspace& w) { return std::make_unique<LinearMethod>(w, plan); },
             .solves = std::to_string(stages) + " a step, for the whole state",
             .reach = reach_of(plan),
+            .revision = 2,
             .missing = missing_halves};
 }
 

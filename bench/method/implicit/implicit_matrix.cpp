@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "bench/method/implicit/cyclic_border.hpp"
+
 namespace cvtflow::bench {
 
 namespace {
@@ -13,13 +15,13 @@ using bench::With;
 /// Links between two separators, about: short enough to keep many workers busy, long enough that separators stay few.
 constexpr int links_per_chunk = 8;
 
-/// out = -θ D - θ² K, element by element; rows of D and K are `columns` apart.
-void enter_block(int rows, int columns, double theta, const double* d, const double* k, double* out, int stride) noexcept {
-    const double square = theta * theta;
-    for (int row = 0; row < rows; ++row) {
-        for (int column = 0; column < columns; ++column)
-            out[row * stride + column] = -theta * d[row * columns + column] - square * k[row * columns + column];
-    }
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// -θ D - θ² K of rows of D and K.
+template <typename Place>
+void enter_block(Place&& out, double theta, const double* d, const double* k) {
+    const Eigen::Map<const RowMajor> of_velocity(d, out.rows(), out.cols()), of_position(k, out.rows(), out.cols());
+    out = -theta * of_velocity - theta * theta * of_position;
 }
 
 [[nodiscard]] bool same(const model::SheaveMotion& a, const model::SheaveMotion& b) noexcept {
@@ -39,9 +41,9 @@ ImplicitMatrix::ImplicitMatrix(const model::Variator& variator)
     : links_(variator.layout().links),
       size_(variator.layout().link_size()),
       border_(variator.layout().pulley_size + variator.layout().controls),
-      system_(links_, size_, border_, std::max(1, links_ / links_per_chunk)),
-      sound_(static_cast<std::size_t>(system_.chunks() + 1), 0),
-      lists_(static_cast<std::size_t>(system_.chunks() * border_)) {
+      system_(std::make_unique<CyclicBorder>(links_, size_, border_, std::max(1, links_ / links_per_chunk))),
+      sound_(static_cast<std::size_t>(chunks() + 1), 0),
+      lists_(static_cast<std::size_t>(chunks() * border_)) {
     if (variator.layout().pulley_size != 0) find_seen(variator);
 }
 
@@ -63,10 +65,10 @@ void ImplicitMatrix::find_seen(const model::Variator& variator) {
     }
 }
 
-/// Border unknowns that the inner links of a chunk are coupled to.
+/// Border unknowns that the links of a chunk are coupled to.
 int ImplicitMatrix::list_border(int chunk, const std::optional<int>* shafts, int* list) const noexcept {
     std::array<bool, 2> touched{};
-    for (int link = range(chunk).first; link + 1 < range(chunk).last; ++link) {
+    for (int link = first(chunk); link < first(chunk + 1); ++link) {
         if (const auto shaft = shafts[link]) touched[static_cast<std::size_t>(*shaft)] = true;
     }
     int count = 0;
@@ -76,55 +78,59 @@ int ImplicitMatrix::list_border(int chunk, const std::optional<int>* shafts, int
     return count;
 }
 
-void ImplicitMatrix::enter(int link, double theta, const AccelerationJacobian& j, bool touching) noexcept {
-    const bench::CyclicBorder::Block block = system_.block(link);
-    const auto part = [&](Near near, double* out) {
-        enter_block(size_, size_, theta, j.link(link, near, With::velocity), j.link(link, near, With::position), out, size_);
+void ImplicitMatrix::enter(int link, double theta, const AccelerationJacobian& j, std::span<const int> border) noexcept {
+    const auto entries = [&](Near near, auto&& place) {
+        enter_block(place, theta, j.link(link, near, With::velocity), j.link(link, near, With::position));
     };
-    part(Near::before, block.lower);
-    part(Near::same, block.diagonal);
-    for (int k = 0; k < size_; ++k) block.diagonal[k * size_ + k] += 1.0;
-    if (!touching) return;
-    const double square = theta * theta;
-    for (std::size_t c = 0; c < block.border.size(); ++c) {
-        const int unknown = block.border[c], place = static_cast<int>(c);
-        for (int row = 0; row < size_; ++row) {
-            const int at = row * border_ + unknown;
-            block.columns[row * block.columns_stride + place] =
-                -theta * j.columns(link, With::velocity)[at] - square * j.columns(link, With::position)[at];
-        }
-        const int at = unknown * size_;
-        enter_block(1, size_, theta, j.rows(link, With::velocity) + at, j.rows(link, With::position) + at, block.rows + place * size_,
-                    size_);
+    entries(Near::before, system_->lower(link));
+    entries(Near::same, system_->diagonal(link));
+    system_->diagonal(link).diagonal().array() += 1.0;
+    CyclicBorder::Part columns = system_->columns(link), rows = system_->rows(link);
+    for (std::size_t k = 0; k < border.size(); ++k) {
+        const auto place = static_cast<Eigen::Index>(k);
+        const auto column = [&](With with) { return Eigen::Map<const RowMajor>(j.columns(link, with), size_, border_).col(border[k]); };
+        columns.col(place) = -theta * column(With::velocity) - theta * theta * column(With::position);
+        const int at = border[k] * size_;
+        enter_block(rows.row(place), theta, j.rows(link, With::velocity) + at, j.rows(link, With::position) + at);
     }
 }
 
 void ImplicitMatrix::eliminate(int chunk, double theta, const AccelerationJacobian& j, const std::optional<int>* shafts) noexcept {
     int* list = lists_.data() + chunk * border_;
-    const int count = list_border(chunk, shafts, list);
-    system_.clear(chunk, {list, static_cast<std::size_t>(count)});
-    const auto& bounds = range(chunk);
+    const std::span<const int> border(list, static_cast<std::size_t>(list_border(chunk, shafts, list)));
+    system_->clear(chunk, border);
+    const int begin = first(chunk), end = first(chunk + 1);
     const auto enter_upper = [&](int link) {
-        const bench::CyclicBorder::Block block = system_.block(link);
-        enter_block(size_, size_, theta, j.link(link, Near::after, With::velocity), j.link(link, Near::after, With::position), block.upper,
-                    block.upper_stride);
+        enter_block(system_->upper(link), theta, j.link(link, Near::after, With::velocity), j.link(link, Near::after, With::position));
     };
-    enter_upper(bounds.first == 0 ? links_ - 1 : bounds.first - 1);  // of the separator before
-    for (int link = bounds.first; link < bounds.last; ++link) {
-        enter(link, theta, j, shafts[link].has_value());
-        if (link + 1 < bounds.last) enter_upper(link);
+    enter_upper(begin == 0 ? links_ - 1 : begin - 1);  // of the separator before
+    for (int link = begin; link < end; ++link) {
+        enter(link, theta, j, shafts[link].has_value() ? border : std::span<const int>{});
+        if (link + 1 < end) enter_upper(link);
     }
-    sound_[static_cast<std::size_t>(chunk)] = system_.eliminate(chunk);
+    sound_[static_cast<std::size_t>(chunk)] = system_->eliminate(chunk);
 }
 
 void ImplicitMatrix::join(double theta, const AccelerationJacobian& j) noexcept {
-    if (border_ != 0) {
-        enter_block(border_, border_, theta, j.corner(With::velocity), j.corner(With::position), system_.corner(), border_);
-        for (int k = 0; k < border_; ++k) system_.corner()[k * border_ + k] += 1.0;
-    }
+    enter_block(system_->corner(), theta, j.corner(With::velocity), j.corner(With::position));
+    system_->corner().diagonal().array() += 1.0;
     sound_.back() = false;
-    if (std::all_of(sound_.begin(), sound_.end() - 1, [](char good) { return good != 0; })) sound_.back() = system_.join();
+    if (std::all_of(sound_.begin(), sound_.end() - 1, [](char good) { return good != 0; })) sound_.back() = system_->join();
 }
+
+int ImplicitMatrix::chunks() const noexcept { return system_->chunks(); }
+
+int ImplicitMatrix::first(int chunk) const noexcept { return system_->first(chunk); }
+
+int ImplicitMatrix::unknowns() const noexcept { return system_->unknowns(); }
+
+void ImplicitMatrix::forward(int chunk, const double* f) noexcept { system_->forward(chunk, f); }
+
+void ImplicitMatrix::join_solution(const double* f) noexcept { system_->join_solution(f); }
+
+void ImplicitMatrix::backward(int chunk, double* x) noexcept { system_->backward(chunk, x); }
+
+ImplicitMatrix::~ImplicitMatrix() = default;
 
 bool ImplicitMatrix::sound() const noexcept { return sound_.back() != 0; }
 

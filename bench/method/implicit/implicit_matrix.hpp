@@ -4,15 +4,18 @@
 /// inverse is in them). Cyclic block-tridiagonal in links, pulleys and control as border.
 
 #include <array>
+#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "bench/method/jacobian/jacobian.hpp"
-#include "bench/method/linear/cyclic_border.hpp"
 #include "bench/method/product_names.hpp"
 #include "model/variator/variator.hpp"
 
 namespace cvtflow::bench {
+
+class CyclicBorder;
 
 /// Sheaves that each link touches, by the shaft that its tips were computed with.
 struct ContactMap {
@@ -25,11 +28,12 @@ struct ContactMap {
 class ImplicitMatrix {
 public:
     explicit ImplicitMatrix(const model::Variator& variator);
+    ~ImplicitMatrix();
 
-    [[nodiscard]] int chunks() const noexcept { return system_.chunks(); }
-    [[nodiscard]] const bench::CyclicBorder::Range& range(int chunk) const noexcept { return system_.range(chunk); }
+    [[nodiscard]] int chunks() const noexcept;
+    [[nodiscard]] int first(int chunk) const noexcept;  ///< link of a chunk, or behind the last one
     /// Numbers in a right-hand side: velocities link by link, then the border's.
-    [[nodiscard]] int unknowns() const noexcept { return system_.unknowns(); }
+    [[nodiscard]] int unknowns() const noexcept;
     /// Pulley coordinates of a shaft on which the chain depends.
     [[nodiscard]] const std::vector<int>& seen(int shaft) const noexcept { return seen_[static_cast<std::size_t>(shaft)]; }
 
@@ -40,20 +44,19 @@ public:
     /// Whether the last factorisation met no vanishing pivot.
     [[nodiscard]] bool sound() const noexcept;
 
-    /// f [velocities]
-    void forward(int chunk, const double* f) noexcept { system_.forward(chunk, f); }
-    /// f [velocities]
-    void join_solution(const double* f) noexcept { system_.join_solution(f); }
-    /// x [velocities]
-    void backward(int chunk, double* x) noexcept { system_.backward(chunk, x); }
+    // The solve, chunk by chunk. @param f, x [velocities]
+    void forward(int chunk, const double* f) noexcept;
+    void join_solution(const double* f) noexcept;
+    void backward(int chunk, double* x) noexcept;
 
 private:
     void find_seen(const model::Variator& variator);
     [[nodiscard]] int list_border(int chunk, const std::optional<int>* shafts, int* list) const noexcept;
-    void enter(int link, double theta, const bench::AccelerationJacobian& jacobian, bool touching) noexcept;  ///< theta [s]
+    /// theta [s]; border: unknowns that the link's chunk is coupled to, none for a link that touches nothing
+    void enter(int link, double theta, const bench::AccelerationJacobian& jacobian, std::span<const int> border) noexcept;
 
     int links_, size_, border_;
-    bench::CyclicBorder system_;
+    std::unique_ptr<CyclicBorder> system_;
     std::array<std::vector<int>, 2> seen_;
     std::vector<char> sound_;  ///< [chunks + 1]
     std::vector<int> lists_;   ///< [chunks][border]

@@ -30,10 +30,10 @@ void add_solution(ImplicitMethod& method, const ImplicitMatrix& matrix, int link
                            forward = engine::code_of<&ImplicitMethod::forward>(method),
                            backward = engine::code_of<&ImplicitMethod::backward>(method);
     for (int c = 0; c < chunks; ++c) {
-        const auto& bounds = matrix.range(c);
-        const engine::Access chunk{chunk_field, c, c + 1, true}, right{right_side_field, bounds.first, bounds.last, false};
+        const int first = matrix.first(c), last = matrix.first(c + 1);
+        const engine::Access chunk{chunk_field, c, c + 1, true}, right{right_side_field, first, last, false};
         const std::vector<engine::Access> back{
-            {chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, bounds.first, bounds.last, true}};
+            {chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, first, last, true}};
         graph.order(graph.add({numbered("eliminate", c), factor_cycle, eliminate, c, {{jacobian_field, 0, links, false}, chunk}}), join);
         graph.order(graph.add({numbered("forward", c), solve_cycle, forward, c, {right, chunk}}), join_solution);
         graph.order(join_solution, graph.add({numbered("backward", c), solve_cycle, backward, c, back}));
@@ -89,7 +89,7 @@ void ImplicitMethod::join() noexcept { matrix_.join(theta_, jacobian_); }
 
 void ImplicitMethod::backward(int chunk) noexcept {
     matrix_.backward(chunk, solution_.data());
-    if (finish_in_tasks_) finish(matrix_.range(chunk).first, matrix_.range(chunk).last);
+    if (finish_in_tasks_) finish(matrix_.first(chunk), matrix_.first(chunk + 1));
 }
 
 int ImplicitMethod::evaluate(std::span<const engine::Term> states, double c, int slope_slot, int keep) noexcept {

@@ -10,7 +10,6 @@
 #include "bench/count/instructions.hpp"
 #include "bench/executor/span_recorder.hpp"
 #include "bench/study/profile/measure.hpp"
-#include "bench/study/profile/model.hpp"
 #include "tasks/step/control/cycle_sequence.hpp"
 #include "tasks/step/control/energy_ledger.hpp"
 
@@ -177,6 +176,11 @@ WorkRow row_of(int links, int threads, const std::vector<int>& segments, const s
 }
 
 }  // namespace
+
+double even_speed_up(int links, int threads) noexcept {
+    const int longest = (links + threads - 1) / threads;
+    return static_cast<double>(links) / longest;
+}
 
 double makespan(const engine::TaskGraph& graph, int cycle, std::span<const double> work, int threads) {
     std::priority_queue<double, std::vector<double>, std::greater<>> idle_from;

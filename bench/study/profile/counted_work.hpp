@@ -38,6 +38,9 @@ struct CountedWork {
     double step = 0.0;              ///< length of the last step [s]
 };
 
+/// Links over the links of the longest of M equal segments: speed-up by M threads if nothing but whole links costs time.
+[[nodiscard]] double even_speed_up(int links, int threads) noexcept;
+
 /// Least time in which `threads` threads run a cycle, if each takes the next task that is ready: list scheduling in the graph's order.
 /// @param work of every task of the graph   @return in units of the work
 [[nodiscard]] double makespan(const engine::TaskGraph& graph, int cycle, std::span<const double> work, int threads);

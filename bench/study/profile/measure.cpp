@@ -394,10 +394,7 @@ void record_lane(const Scene& scene, ScheduleTrial& lane, const MeasureOptions& 
     recording.lost = middle.lost;
     recording.spans = std::move(middle.spans);
     recording.pass = sum_up(graph, stages, recording.spans);
-    for (int task = 0; task < graph.size(); ++task) {
-        recording.tasks.push_back(graph.task(task).name);
-        recording.cycles.push_back(graph.task(task).cycle);
-    }
+    for (int task = 0; task < graph.size(); ++task) recording.tasks.push_back(graph.task(task).name);
 }
 
 }  // namespace cvtflow::bench

@@ -65,7 +65,6 @@ struct MeasureOptions {
     long steps = 0;                        ///< steps of a round; 0: chosen
     double timeout = 2.0;                  ///< a schedule with a longer round is dropped [s]
     std::vector<int> neighbours{0, 1, 2};  ///< busy threads beside; ascending, 0 first
-    bool predict_crowded = false;          ///< predictions also where others are busy
 };
 
 /// One schedule beside a number of busy neighbours.
@@ -93,7 +92,6 @@ struct Recording {
     RecordedPass pass;
     Spans spans;
     std::vector<std::string> tasks;  ///< names of tasks, by number
-    std::vector<int> cycles;         ///< cycles of tasks, by number
     long steps = 0;
     long lost = 0;      ///< stamps that did not fit
     double cost = 0.0;  ///< relative increase of the step time by recording
@@ -107,7 +105,6 @@ struct ScheduleResult {
     CycleCost cycle;         ///< synchronisation of the executor by itself: median over rounds
     double bare = 0.0;       ///< a bare barrier of as many threads, measured in turn with it [s per cycle]
     PairedGain paired;       ///< gain without neighbours
-    double predicted = 0.0;  ///< speed-up without neighbours by the critical path; 0: no prediction [1]
     std::uint64_t hash = 0;  ///< hash after `hash_steps` steps
     long hash_steps = 0;
 };

@@ -94,16 +94,6 @@ double load_average() {
 
 }  // namespace
 
-const ScheduleResult* Profile::best_fused(int threads) const noexcept {
-    const ScheduleResult* best = nullptr;
-    for (const ScheduleResult& result : results) {
-        if (result.schedule.threads != threads || result.schedule.assembly.kind != Assembly::fused || result.loads.front().rounds == 0)
-            continue;
-        if (best == nullptr || result.loads.front().speed_up > best->loads.front().speed_up) best = &result;
-    }
-    return best;
-}
-
 double Profile::processors_got() const noexcept {
     double most = 0.0;
     for (const ScheduleResult& result : results) most = std::max(most, result.loads.front().cpu_per_wall);
@@ -114,11 +104,6 @@ int Profile::processors_requested() const noexcept {
     int most = 1;
     for (const ScheduleResult& result : results) most = std::max(most, std::min(result.schedule.threads, usable_threads()));
     return most;
-}
-
-bool Profile::own_cycles() const noexcept {
-    const std::vector<int>& cycles = results.front().recording.cycles;
-    return std::any_of(cycles.begin(), cycles.end(), [](int cycle) { return cycle >= method_cycles; });
 }
 
 bool Profile::crowded() const noexcept {
@@ -181,10 +166,6 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
     for (ScheduleTrial& lane : lanes) profile.results.push_back(std::move(lane.result));
     for (const CopiesTrial& each : copies) profile.copies.push_back(each.result);
     profile.bare = bare_barriers(profile.results);
-    if ((!profile.crowded() || options.predict_crowded) && !profile.own_cycles()) {
-        say("model");
-        profile.model = measure_model(scene, profile.results, options);
-    }
     profile.load_after = load_average();
     profile.differences = hash_differences(profile.results, short_hash);
     return profile;

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "bench/study/profile/model.hpp"
+#include "bench/study/profile/measure.hpp"
 
 namespace cvtflow::bench {
 
@@ -21,18 +21,20 @@ struct ScheduleChoice {
 /// @throws SceneError for an executor or assembly that does not exist, or more segments than links
 [[nodiscard]] std::vector<tasks::Schedule> chosen_schedules(const tasks::Scene& scene, const ScheduleChoice& choice);
 
+/// Cost of a synchronisation with a number of threads.
+struct ThreadCost {
+    int threads = 1;
+    double seconds = 0.0;  ///< [s]
+};
+
 struct Profile {
-    std::vector<ScheduleResult> results;  ///< the first is serial:fused
-    StageTable stages;                    ///< stages of all results
-    std::vector<ThreadCost> bare;         ///< bare barrier by number of threads [s per cycle]
-    std::vector<CopiesGain> copies;       ///< gains by number of threads
-    ProfileModel model;
+    std::vector<ScheduleResult> results;   ///< the first is serial:fused
+    StageTable stages;                     ///< stages of all results
+    std::vector<ThreadCost> bare;          ///< bare barrier by number of threads [s per cycle]
+    std::vector<CopiesGain> copies;        ///< gains by number of threads
     std::vector<std::string> differences;  ///< differences of hashes; must be empty
     double load_before = 0.0;              ///< the system's load average of the last minute; -1: unknown
     double load_after = 0.0;
-
-    /// Fused schedule with the best speed-up on `threads` threads; nullptr: none was measured.
-    [[nodiscard]] const ScheduleResult* best_fused(int threads) const noexcept;
     double calibrated = -1.0;  ///< smallest share of processors_requested() that calibrations before, amid and after got; -1: none
 
     /// Processors that the hungriest schedule kept busy, and how many it could have.
@@ -41,10 +43,6 @@ struct Profile {
     /// Whether it, or the calibration, got less than nine tenths: the benefit of threads cannot be measured on such a machine. (Waiting
     /// threads use processor time too, which only a calibration distinguishes.)
     [[nodiscard]] bool crowded() const noexcept;
-    /// Whether the method runs cycles besides evaluations, detection and transitions: the model does not describe them.
-    [[nodiscard]] bool own_cycles() const noexcept;
-    /// Whether there is a model with its predictions: not on a crowded machine, unless that was requested, and not with own_cycles().
-    [[nodiscard]] bool predicts() const noexcept { return !model.curves.empty(); }
 };
 
 /// @param progress called with one line before every part; may be empty

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 
 #include "bench/executor/further_executors.hpp"
 #include "engine/base/hash.hpp"
@@ -15,8 +14,6 @@
 namespace cvtflow::bench {
 
 using namespace tasks;
-
-using nlohmann::ordered_json;
 
 namespace {
 
@@ -32,134 +29,6 @@ std::string environment(const char* name) {
     return value != nullptr ? value : "";
 }
 
-ordered_json provenance_json() {
-    const engine::Provenance here = engine::current_provenance();
-    return {{"version", here.version},
-            {"commit", here.commit},
-            {"compiler", here.compiler},
-            {"build_type", here.build_type},
-            {"flags", compiler_flags()},
-            {"instruction_set", here.instruction_set},
-            {"tbb", engine::tbb_version()},
-            {"openmp", openmp_version()},
-            {"runtimes", bench::runtime_versions()},
-            {"cpu", here.cpu},
-            {"cores", here.cores},
-            {"usable_threads", usable_threads()},
-            {"os", here.os},
-            {"date", here.date}};
-}
-
-ordered_json spread_json(const Spread& spread) {
-    return {{"lower_quartile", spread.lower_quartile}, {"median", spread.median}, {"upper_quartile", spread.upper_quartile}};
-}
-
-ordered_json gain_json(const PairedGain& gain) {
-    return {{"near", spread_json(gain.near)},
-            {"near_rounds", gain.near_rounds},
-            {"far", spread_json(gain.far)},
-            {"far_rounds", gain.far_rounds}};
-}
-
-ordered_json load_json(const LoadResult& load) {
-    return {{"neighbours", load.neighbours},
-            {"step", spread_json(load.step)},
-            {"evaluation", load.evaluation},
-            {"cpu_per_wall", load.cpu_per_wall},
-            {"cpu", load.cpu},
-            {"burnt", load.burnt},
-            {"speed_up", load.speed_up},
-            {"rounds", load.rounds},
-            {"dropped", load.dropped}};
-}
-
-ordered_json recording_json(const Recording& recording, const StageTable& stages) {
-    const RecordedPass& pass = recording.pass;
-    ordered_json threads = ordered_json::array();
-    for (const ThreadTimes& thread : pass.threads) {
-        ordered_json times = ordered_json::object();
-        for (std::size_t row = 0; row < stages.size(); ++row) times[stages.rows()[row].name] = thread.at(row);
-        threads.push_back(times);
-    }
-    return {{"steps", recording.steps},
-            {"wall", pass.wall},
-            {"cycles", pass.cycles},
-            {"levels", pass.levels},
-            {"tasks", pass.task_count},
-            {"lost_stamps", recording.lost},
-            {"recording_cost", recording.cost},
-            {"synchronisation_per_cycle", pass.synchronisation()},
-            {"least_task", pass.min_task()},
-            {"active_threads", pass.active()},
-            {"imbalance", pass.imbalance()},
-            {"threads", threads}};
-}
-
-ordered_json result_json(const ScheduleResult& result, const StageTable& stages) {
-    ordered_json loads = ordered_json::array();
-    for (const LoadResult& load : result.loads) loads.push_back(load_json(load));
-    ordered_json json{{"schedule", result.name},
-                      {"executor", result.schedule.executor},
-                      {"assembly", assembly_name(result.schedule.assembly)},
-                      {"threads", result.schedule.threads},
-                      {"segments", result.schedule.segments},
-                      {"hash", engine::hex(result.hash)},
-                      {"hash_steps", result.hash_steps},
-                      {"cycle_cost", result.cycle.seconds},
-                      {"cycle_active_threads", result.cycle.active},
-                      {"bare_barrier", result.bare},
-                      {"paired_gain", gain_json(result.paired)},
-                      {"wait", wait_name(result.schedule.wait)},
-                      {"pinned", result.schedule.pin},
-                      {"predicted_speed_up", result.predicted},
-                      {"loads", loads}};
-    json["recording"] = recording_json(result.recording, stages);
-    return json;
-}
-
-ordered_json thread_costs(const std::vector<ThreadCost>& costs) {
-    ordered_json list = ordered_json::array();
-    for (const ThreadCost& cost : costs) list.push_back({{"threads", cost.threads}, {"seconds", cost.seconds}});
-    return list;
-}
-
-ordered_json model_json(const ProfileModel& model) {
-    const PathCosts& costs = model.costs;
-    ordered_json curves = ordered_json::array();
-    for (const SpeedUpRow& row : model.curves) {
-        curves.push_back({{"threads", row.threads},
-                          {"ideal", row.ideal},
-                          {"even", row.even},
-                          {"amdahl", row.amdahl},
-                          {"predicted", row.predicted},
-                          {"low", row.low},
-                          {"high", row.high}});
-    }
-    return {{"links", model.touching.size()},
-            {"touching_links", std::count(model.touching.begin(), model.touching.end(), true)},
-            {"lanes", costs.lanes},
-            {"free_lane", costs.free},
-            {"touching_lane", costs.touching},
-            {"border", costs.border},
-            {"detect_link", costs.detect},
-            {"controller", costs.controller},
-            {"synchronisation", costs.synchronisation},
-            {"synchronisation_per_thread", costs.per_thread},
-            {"synchronisation_tree", costs.synchronisation_tree},
-            {"synchronisation_per_doubling", costs.per_doubling},
-            {"stretch", costs.stretch},
-            {"stretch_measured", model.stretched},
-            {"jitter", costs.jitter},
-            {"fit_error", model.fit_error},
-            {"serial_step", model.serial_step},
-            {"other_cycles_per_step", costs.other_cycles},
-            {"evaluations_per_step", costs.evaluations},
-            {"serial_share", model.serial_share},
-            {"synchronisation_assumed", model.assumed},
-            {"synchronisation_samples", thread_costs(model.synchronisation)},
-            {"curves", curves}};
-}
-
 }  // namespace
 
 std::string compiler_flags() { return CVTFLOW_FLAGS; }
@@ -170,7 +39,8 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
         "speed_up,"
         "cpu_per_wall,rounds,dropped,active_threads,synchronisation_us,cycle_cost_us,least_task_us,imbalance,recording_cost,hash,wait,"
         "pinned,omp_wait_policy,"
-        "gomp_spincount,kmp_blocktime,cpu_us,burnt_us,bare_barrier_us,predicted_speed_up,commit,compiler,flags,tbb,openmp,cpu,cores,date\n";
+        "gomp_spincount,kmp_blocktime,cpu_us,burnt_us,bare_barrier_us,gain_near,rounds_near,gain_far,rounds_far,calibrated,commit,compiler,"
+        "flags,tbb,openmp,cpu,cores,date\n";
     const engine::Provenance here = engine::current_provenance();
     const std::string provenance =
         fmt::format("{},{},{},{},{},{},{},{}", quoted(here.commit), quoted(here.compiler + " " + here.build_type), quoted(compiler_flags()),
@@ -178,6 +48,9 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
     for (const ScheduleResult& result : profile.results) {
         const RecordedPass& pass = result.recording.pass;
         const std::string alone = result.cycle.active == result.schedule.threads ? fmt::format("{:.4f}", 1e6 * result.cycle.seconds) : "";
+        const PairedGain& paired = result.paired;
+        const std::string gains =
+            fmt::format("{:.4f},{},{:.4f},{}", paired.near.median, paired.near_rounds, paired.far.median, paired.far_rounds);
         for (const LoadResult& load : result.loads) {
             text +=
                 fmt::format("{},{},{},{},{},{},{},", quoted(scene.name), result.name, result.schedule.executor,
@@ -188,37 +61,13 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
             text += pass.active() == 0 ? fmt::format(",,{},,,,", alone)
                                        : fmt::format("{},{:.4f},{},{:.4f},{:.4f},{:.4f},", pass.active(), 1e6 * pass.synchronisation(),
                                                      alone, 1e6 * pass.min_task(), pass.imbalance(), result.recording.cost);
-            text += fmt::format("{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{}\n", engine::hex(result.hash), wait_name(result.schedule.wait),
-                                result.schedule.pin ? "yes" : "no", quoted(environment("OMP_WAIT_POLICY")),
+            text += fmt::format("{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.3f},{}\n", engine::hex(result.hash),
+                                wait_name(result.schedule.wait), result.schedule.pin ? "yes" : "no", quoted(environment("OMP_WAIT_POLICY")),
                                 quoted(environment("GOMP_SPINCOUNT")), quoted(environment("KMP_BLOCKTIME")), 1e6 * load.cpu,
-                                1e6 * load.burnt, 1e6 * result.bare,
-                                load.neighbours == 0 && result.predicted > 0.0 ? fmt::format("{:.4f}", result.predicted) : "", provenance);
+                                1e6 * load.burnt, 1e6 * result.bare, gains, profile.calibrated, provenance);
         }
     }
     return text;
-}
-
-std::string profile_json(const Scene& scene, const MeasureOptions& options, const Profile& profile) {
-    ordered_json results = ordered_json::array();
-    for (const ScheduleResult& result : profile.results) results.push_back(result_json(result, profile.stages));
-    ordered_json json{{"scene", scene.name}, {"provenance", provenance_json()}};
-    json["options"] = {
-        {"rounds", options.rounds}, {"round_seconds", options.round_seconds}, {"steps", options.steps}, {"patience", options.timeout}};
-    json["environment"] = {{"OMP_WAIT_POLICY", environment("OMP_WAIT_POLICY")},
-                           {"GOMP_SPINCOUNT", environment("GOMP_SPINCOUNT")},
-                           {"KMP_BLOCKTIME", environment("KMP_BLOCKTIME")}};
-    json["load_average"] = {{"before", profile.load_before}, {"after", profile.load_after}};
-    json["crowded"] = profile.crowded();
-    json["processors"] = {
-        {"requested", profile.processors_requested()}, {"got_by_schedules", profile.processors_got()}, {"calibrated", profile.calibrated}};
-    json["schedules"] = results;
-    json["bare_barrier"] = thread_costs(profile.bare);
-    json["independent_runs"] = ordered_json::array();
-    for (const CopiesGain& copies : profile.copies)
-        json["independent_runs"].push_back({{"threads", copies.threads}, {"paired_gain", gain_json(copies.paired)}});
-    json["model"] = model_json(profile.model);
-    json["hash_differences"] = profile.differences;
-    return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string profile_stages_csv(const Scene& scene, const Profile& profile) {
@@ -234,17 +83,6 @@ std::string profile_stages_csv(const Scene& scene, const Profile& profile) {
                                     result.recording.steps > 0 ? 1e6 * seconds / static_cast<double>(result.recording.steps) : 0.0);
             }
         }
-    }
-    return text;
-}
-
-std::string profile_curves_csv(const Scene& scene, const Profile& profile) {
-    std::string text = "scene,threads,ideal,even,amdahl,critical_path,low,high,measured,schedule\n";
-    for (const SpeedUpRow& row : profile.model.curves) {
-        const ScheduleResult* best = profile.best_fused(row.threads);
-        text += fmt::format("{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n", quoted(scene.name), row.threads, row.ideal, row.even,
-                            row.amdahl, row.predicted, row.low, row.high,
-                            best != nullptr ? fmt::format("{:.4f}", best->loads.front().speed_up) : "", best != nullptr ? best->name : "");
     }
     return text;
 }

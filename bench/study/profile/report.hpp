@@ -1,5 +1,5 @@
 #pragma once
-/// A profile as CSV, JSON and trace, with the origin of its numbers. Tables for people: bench/lab/report/profile_report.hpp.
+/// A profile as CSV and trace, with the origin of its numbers. Tables for people: bench/lab/report/profile_report.hpp.
 
 #include <string>
 
@@ -13,15 +13,9 @@ namespace cvtflow::bench {
 /// One row per schedule and load, provenance in every row; times in microseconds.
 [[nodiscard]] std::string profile_csv(const tasks::Scene& scene, const Profile& profile);
 
-/// Everything but the single spans; times in seconds.
-[[nodiscard]] std::string profile_json(const tasks::Scene& scene, const MeasureOptions& options, const Profile& profile);
-
 /// Stages of the recorded passes, one row per schedule, thread and stage: the published chart of times per thread, and of serial:staged the
 /// one of sequential time.
 [[nodiscard]] std::string profile_stages_csv(const tasks::Scene& scene, const Profile& profile);
-
-/// The published curves, the critical path with its bounds, and the best measured fused schedule beside, one row per number of threads.
-[[nodiscard]] std::string profile_curves_csv(const tasks::Scene& scene, const Profile& profile);
 
 /// The recorded passes in Chrome's trace format (chrome://tracing, ui.perfetto.dev): a process per schedule, a track per thread. Each
 /// begins at 0.

@@ -72,35 +72,12 @@ TEST_F(LabCommands, LocalErrorOfSeveralMethodsIsATableAndAPictureEach) {
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out,
                 AllOf(HasSubstr("tiny: error of one step of rk4 (order 4"), HasSubstr("\ntiny: error of one step of heun (order 2")));
-    EXPECT_THAT(
-        outcome.out,
-        HasSubstr("\n  written             errors/local-error.csv, errors/local-error.json, errors/local-error-axial-force-piecewise.svg, "
-                  "errors/local-error-velocities-piecewise.svg\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  written             errors/local-error.csv, errors/local-error-axial-force-piecewise.svg, "
+                                       "errors/local-error-velocities-piecewise.svg\n"));
     EXPECT_THAT(read("errors/local-error.csv"),
                 AllOf(StartsWith("method,friction,step,positions,velocities,axial_force,tension\nrk4,piecewise,1.6"),
                       HasSubstr("\nheun,piecewise,8")));
     EXPECT_THAT(read("errors/local-error-velocities-piecewise.svg"), AllOf(HasSubstr(">rk4</text>"), HasSubstr(">heun</text>")));
-}
-
-TEST_F(LabCommands, WriteAsJsonWhatTheyMeasure) {
-    const auto json_of = [&](const std::vector<std::string>& words, const std::string& file) {
-        const Outcome outcome = run(words + std::vector<std::string>{"--json"});
-        EXPECT_EQ(outcome.status, 0) << outcome.err;
-        EXPECT_THAT(outcome.out, HasSubstr("\n  written             results/" + file + "\n"));
-        const auto json = nlohmann::json::parse(read("results/" + file));
-        EXPECT_TRUE(json["provenance"].contains("commit")) << file;
-        return json;
-    };
-    const auto errors =
-        json_of(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns"} + brief_settling,
-                "local-error.json");
-    ASSERT_EQ(errors["curves"].size(), 2u);
-    EXPECT_GT(double(errors["curves"][1]["errors"][0]["velocities"]), double(errors["curves"][0]["errors"][0]["velocities"]))
-        << "heun has half the order";
-    const auto maps = json_of({"stability", "rk4", "leapfrog-rkc", "sw2", "-q"}, "stability.json");
-    EXPECT_NEAR(double(maps["tables"][0]["imaginary"]), 2.0 * std::sqrt(2.0), 1e-3);
-    EXPECT_NEAR(double(maps["programs"][0]["oscillator"]["h_omega"]), 2.0, 1e-3);  // of every leapfrog
-    EXPECT_TRUE(maps["programs"][1].contains("linear"));
 }
 
 /// Methods that the program has not, and keys of detail, are measured as choices.
@@ -155,5 +132,37 @@ TEST_F(LabCommands, DotDrawsTheCyclesOfAMethodByTheirTasks) {
     EXPECT_THAT(solve, AllOf(HasSubstr("label=\"forward[0]\""), HasSubstr("label=\"join\"")));
 }
 
+class BeltCommand : public Program {};
+
+TEST_F(BeltCommand, WritesPointsAndArcs) {
+    const Outcome outcome = run({"belt", "control", "--ratios", "1,0.7", "--loads", "0.3,1.2", "-o", "b"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("friction cannot carry this difference of tensions"));
+    EXPECT_THAT(read("b/belt.csv"), StartsWith("ratio,load,torque_Nm,growth_m_per_s,status,"));
+    EXPECT_THAT(read("b/belt.csv"), HasSubstr("\n0.7,1.2,"));
+    EXPECT_THAT(read("b/arcs.csv"), StartsWith("ratio,load,pulley,angle,tension_N,"));
+}
+
+/// Each part that is left out changes the result, and so do pins that vibrate.
+TEST_F(BeltCommand, LeavesPartsOut) {
+    const std::vector<std::string> words{"belt", "baseline", "--ratios", "0.7", "--csv", "-o", "b"};
+    ASSERT_EQ(run(words).status, 0);
+    const std::string whole = read("b/belt.csv");
+    for (const char* part : {"tilt", "yield", "stretch", "crown"}) {
+        ASSERT_EQ(run(words + std::vector<std::string>{"--without", part}).status, 0) << part;
+        EXPECT_NE(read("b/belt.csv"), whole) << part;
+    }
+    ASSERT_EQ(run(words + std::vector<std::string>{"--vibration", "0.01"}).status, 0);
+    EXPECT_NE(read("b/belt.csv"), whole);
+}
+
+TEST_F(BeltCommand, RefusesWhatItDoesNotKnow) {
+    EXPECT_EQ(run({"belt", "baseline", "--without", "nothing"}).status, 2);
+    const Outcome ring = run({"belt", "free_ring"});
+    EXPECT_EQ(ring.status, 2);
+    EXPECT_THAT(ring.err, HasSubstr("free_ring has no pulleys"));
+}
+
 }  // namespace
+
 }  // namespace cvtflow::bench

@@ -156,8 +156,6 @@ const std::vector<Row> rows{
          return Words{"dot", "tiny", "--method", m};
      },
      [](const std::string&) { return done("label=\"force"); }},
-    {"fit", "", [](const std::string& m) { return Words{"fit", "tiny", "--step", "1us", "--set", "run.method=" + m} + state; },
-     [](const std::string&) { return done("fitted-l"); }},
     {"batch", "--dry-run",
      [](const std::string&) {
          return Words{"batch", "sweep.toml", "--dry-run"};

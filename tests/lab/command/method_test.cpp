@@ -1,4 +1,4 @@
-/// The commands about methods: method, fit, compare.
+/// The commands about methods: method, compare.
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -69,14 +69,6 @@ TEST_F(MethodCommands, ListShowsFamiliesAndMethodsThatFollowTheSpectrum) {
     const std::string list = run({laboratory, "list", "methods", "--all"}).out;
     for (const engine::MethodFamily& family : engine::method_families()) EXPECT_THAT(list, HasSubstr(std::string(family.form)));
     for (const char* name : {"\ndumka3 ", "\nrkc ", "\nrock2 ", "\nfitted "}) EXPECT_THAT(list, HasSubstr(name));
-}
-
-TEST_F(MethodCommands, FitMakesAMethodForAScene) {
-    const Outcome fit = run({"fit", "baseline", "--step", "2us"});
-    EXPECT_EQ(fit.status, 0) << fit.err;
-    EXPECT_THAT(fit.out, AllOf(HasSubstr("by power iteration"), HasSubstr("evaluations per simulated second"), HasSubstr("fitted-l"),
-                               HasSubstr("stages grow         to 1 of y")));
-    EXPECT_EQ(run({"fit", "tiny"}).err, "cvtflow-lab: tiny: the start is not settled, so its spectrum is meaningless (cvtflow settle)\n");
 }
 
 TEST_F(MethodCommands, CompareMeasuresErrorsAndCost) {

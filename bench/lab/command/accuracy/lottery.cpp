@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/study/extremes/longer.hpp"
+#include "bench/study/extremes/lottery.hpp"
 #include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
 

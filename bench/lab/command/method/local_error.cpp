@@ -1,4 +1,4 @@
-/// cvtflow-lab local-error: local errors as text, CSV, JSON and pictures.
+/// cvtflow-lab local-error: local errors as text, CSV and pictures.
 
 #include <fmt/format.h>
 
@@ -21,7 +21,6 @@
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
-#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
@@ -76,23 +75,6 @@ std::string error_csv(const std::vector<ErrorCurve>& curves) {
         }
     }
     return text;
-}
-
-/// Everything, with provenance; null: a transition ended the step.
-std::string error_json(const std::vector<ErrorCurve>& curves, const std::string& scene) {
-    auto list = nlohmann::ordered_json::array();
-    for (const ErrorCurve& curve : curves) {
-        auto rows = nlohmann::ordered_json::array();
-        for (const LocalError& error : curve.errors) {
-            rows.push_back({{"step", error.step},
-                            {"positions", error.positions},
-                            {"velocities", error.velocities},
-                            {"axial_force", error.axial_force},
-                            {"tension", error.tension}});
-        }
-        list.push_back({{"method", curve.method}, {"friction", curve.friction}, {"errors", rows}});
-    }
-    return json_text({{"scene", scene}, {"provenance", provenance_json()}, {"curves", list}});
 }
 
 /// One part of all methods under one friction law, against the step, both logarithmic. @param name of the part, as in the title
@@ -161,7 +143,6 @@ std::string heading(const std::string& scene, const std::string& method, long to
 
 void write_files(OutputFolder& folder, const std::vector<ErrorCurve>& curves, const std::string& scene) {
     folder.write("local-error.csv", error_csv(curves));
-    folder.write("local-error.json", error_json(curves, scene));
     for (const std::string_view name : model::friction_law_names) {
         const std::string friction(name);
         if (std::none_of(curves.begin(), curves.end(), [&](const ErrorCurve& curve) { return curve.friction == friction; })) continue;

@@ -7,7 +7,7 @@
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/report/method/spectrum_report.hpp"
 #include "bench/lab/settled_start.hpp"
-#include "bench/method/linear/eigenvalues.hpp"
+#include "bench/method/analysis/eigenvalues.hpp"
 #include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"
 #include "engine/method/catalogue.hpp"

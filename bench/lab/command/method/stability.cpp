@@ -7,16 +7,15 @@
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/report/method/stability_report.hpp"
 #include "bench/lab/settled_start.hpp"
+#include "bench/method/analysis/eigenvalues.hpp"
 #include "bench/method/analysis/stability.hpp"
 #include "bench/method/laboratory_methods.hpp"
-#include "bench/method/linear/eigenvalues.hpp"
 #include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"
 #include "tasks/method/method.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
-#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
@@ -128,13 +127,6 @@ std::vector<ProgramResult> analyse(const std::vector<tasks::MethodProgram>& prog
     return results;
 }
 
-std::string json_of(const std::vector<StabilityResult>& tables, const std::vector<ProgramResult>& programs, const std::string& scene) {
-    auto tried = nlohmann::ordered_json::array(), apart = nlohmann::ordered_json::array();
-    for (const StabilityResult& result : tables) tried.push_back(stability_json(result));
-    for (const ProgramResult& result : programs) apart.push_back(program_json(result));
-    return json_text({{"scene", scene}, {"provenance", provenance_json()}, {"tables", tried}, {"programs", apart}});
-}
-
 ExitStatus stability(const StabilityArguments& arguments) {
     const Chosen methods = chosen(arguments);
     OutputFolder folder(arguments.output);
@@ -142,7 +134,6 @@ ExitStatus stability(const StabilityArguments& arguments) {
     if (!arguments.scene.scene.empty()) ground = ground_of(arguments, !methods.plans.empty());
     const std::vector<StabilityResult> tables = analyse(methods.plans, arguments, ground, folder);
     const std::vector<ProgramResult> programs = analyse(methods.programs, arguments, ground, folder);
-    folder.write("stability.json", json_of(tables, programs, arguments.scene.scene));
     if (!tables.empty()) fmt::print("{}{}", stability_table(tables), programs.empty() ? "" : "\n");
     fmt::print("{}{}{}", program_table(programs), limit_lines(programs), folder.written());
     return ExitStatus::finished;

@@ -1,4 +1,4 @@
-/// cvtflow-lab granularity: efficiency of executors against the length of tasks, as text, CSV, JSON and pictures.
+/// cvtflow-lab granularity: efficiency of executors against the length of tasks, as text, CSV and pictures.
 
 #include <fmt/format.h>
 
@@ -19,13 +19,11 @@
 #include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
-#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
 
 using namespace tools;
-using nlohmann::ordered_json;
 
 namespace {
 
@@ -80,42 +78,6 @@ std::string granularity_csv(const Granularity& result) {
                             1e6 * point.ideal, provenance);
     }
     return text;
-}
-
-std::string granularity_json(const Granularity& result, const GranularityOptions& options) {
-    ordered_json curves = ordered_json::array();
-    for (const std::string& executor : result.executors()) {
-        for (const int tasks : result.tasks()) {
-            const std::vector<GranularityPoint> curve = result.curve(executor, tasks);
-            ordered_json points = ordered_json::array();
-            for (const GranularityPoint& point : curve) {
-                points.push_back({{"length", point.length},
-                                  {"cycle", point.cycle},
-                                  {"ideal", point.ideal},
-                                  {"efficiency", point.efficiency.median},
-                                  {"lower_quartile", point.efficiency.lower_quartile},
-                                  {"upper_quartile", point.efficiency.upper_quartile}});
-            }
-            curves.push_back({{"executor", executor},
-                              {"threads", curve.front().threads},
-                              {"tasks", tasks},
-                              {"metg50", effective_granularity(curve)},
-                              {"metg50_is_a_bound", all_effective(curve)},
-                              {"points", points}});
-        }
-    }
-    ordered_json provenance = provenance_json();
-    provenance["flags"] = compiler_flags();
-    provenance["runtimes"] = bench::runtime_versions();
-    return json_text({{"provenance", provenance},
-                      {"options",
-                       {{"levels", options.levels},
-                        {"work", options.work},
-                        {"patience", options.timeout},
-                        {"rounds", options.rounds},
-                        {"pin", options.pin}}},
-                      {"processors", {{"requested", result.requested}, {"calibrated", result.calibrated}, {"crowded", result.crowded()}}},
-                      {"curves", curves}});
 }
 
 /// Efficiency against length, a curve per executor: one picture for every number of tasks.
@@ -197,7 +159,6 @@ ExitStatus granularity(const GranularityArguments& arguments) {
     fmt::print("{}\n{}", heading(result, options), granularity_table(result));
     OutputFolder folder(arguments.output);
     folder.write("granularity.csv", granularity_csv(result));
-    folder.write("granularity.json", granularity_json(result, options));
     folder.write("granularity.svg", svg(granularity_plot(result)));
     folder.write("efficiency.svg", svg(efficiency_plots(result)));
     fmt::print("{}", folder.written());
@@ -247,6 +208,13 @@ Action declare_granularity(CLI::App& app) {
     app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(granularity_explanation);
     return [arguments] { return granularity(*arguments); };
+}
+
+tools::Action declare_executors(CLI::App&) {
+    return [] {
+        fmt::print("{}\nRuntimes: {}.\n{}", tools::executor_table(), runtime_versions(), tools::absent_executor_text());
+        return tools::ExitStatus::finished;
+    };
 }
 
 }  // namespace cvtflow::bench

@@ -66,8 +66,10 @@ ExitStatus run_cost(const RunArguments& arguments) {
                  {"over bare", Align::right},
                  {"least", Align::right},
                  {"most", Align::right}});
-    const std::pair<const char*, double RunCost::*> rows[] = {
-        {"bare steps", &RunCost::bare}, {"observed", &RunCost::observed}, {"recorded", &RunCost::recorded}};
+    const std::pair<const char*, double RunCost::*> rows[] = {{"without watch", &RunCost::unwatched},
+                                                              {"bare steps", &RunCost::bare},
+                                                              {"observed", &RunCost::observed},
+                                                              {"recorded", &RunCost::recorded}};
     for (const auto& [name, member] : rows) {
         std::vector<double> times, shares;
         for (const RunCost& cost : costs) {
@@ -91,10 +93,13 @@ Action declare_run_cost(CLI::App& app) {
     declare_scene(app, arguments->scene);
     declare_fresh_start(app, arguments->scene);
     declare_shortcut(app, arguments->scene, "--until", "run.until", "TIME");
-    app.add_option("--rounds", arguments->rounds, "Rounds of the three runs by turns (default: 5)")
+    app.add_option("--rounds", arguments->rounds, "Rounds of the four runs by turns (default: 5)")
         ->type_name("ROUNDS")
         ->check(CLI::Range(1, 10000));
-    app.footer("observed: outputs and the summary without a record; recorded: with one. On one thread.");
+    app.footer(
+        "without watch: bare steps whose energies are not watched; observed: outputs and the summary without a record; recorded: with one. "
+        "On one\n"
+        "thread.");
     return [arguments] { return run_cost(*arguments); };
 }
 

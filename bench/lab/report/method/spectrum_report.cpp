@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "bench/method/family/fitted.hpp"
 #include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -108,6 +109,10 @@ std::string spectrum_text(const SpectrumResult& result) {
     text += field("largest stable step", result.limit           ? limit_text(*result.limit)
                                          : result.program_limit ? bench::text_of(*result.program_limit) + " predicted"
                                                                 : "not determined");
+    constexpr double margin = 1.2;  // of a step's fit, as run.method = "fitted" takes
+    const double real = margin * extent.decay * result.step, imaginary = margin * extent.oscillation * result.step;
+    if (real >= min_fitted_real && real <= max_fitted_real && imaginary <= max_fitted_imaginary)
+        text += field("polynomial for it", fmt::format("cvtflow-lab method fitted-l{:.4g}-w{:.4g}", real, imaginary));
     if (!result.attribution) return text;
     text += fmt::format("\nEigenvalues below -1e6 1/s by the contact that causes them (share: -d ln λ / d ln v0)\n{}",
                         shares_table(*result.attribution));

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "bench/method/analysis/stability.hpp"
 #include "bench/method/laboratory_methods.hpp"
@@ -133,20 +132,6 @@ std::string program_csv(const std::vector<ProgramResult>& results) {
     return text;
 }
 
-nlohmann::ordered_json program_json(const ProgramResult& r) {
-    nlohmann::ordered_json json{{"method", r.program.name}};
-    if (r.oscillator()) {
-        json["oscillator"] = {
-            {"h_omega", r.first}, {"h_omega_any_friction", r.any.oscillation}, {"limiting_h_c", r.any.friction}, {"h_c", r.second}};
-    } else {
-        json["linear"] = {{"real", r.first}, {"imaginary", r.second}, {"ray_1", r.ray_1}, {"ray_5", r.ray_5}};
-    }
-    json["stage_growth"] = r.worst.growth;
-    json["gain"] = r.worst.gain;
-    json["left"] = r.worst.left;
-    return json;
-}
-
 namespace {
 
 /// The oscillation that limits the scene's step.
@@ -238,17 +223,6 @@ std::string stability_csv(const std::vector<StabilityResult>& results) {
         text += "\n";
     }
     return text;
-}
-
-nlohmann::ordered_json stability_json(const StabilityResult& result) {
-    nlohmann::ordered_json json{{"method", result.plan.name}, {"stages", result.plan.stages.size()},
-                                {"real", result.real},        {"imaginary", result.imaginary},
-                                {"ray_1", result.ray_1},      {"ray_5", result.ray_5}};
-    if (!result.limit) return json;
-    json["stage_growth"] = result.growth;
-    json["gain"] = result.gain;
-    json["stable_step"] = limit_json(*result.limit);
-    return json;
 }
 
 Plot stability_map(const StabilityResult& result, const bench::Eigenvalues& values, double step, const std::string& scene) {

@@ -1,7 +1,6 @@
 #pragma once
 /// Stability of methods as text, CSV, JSON and pictures: of those that are programs, and regions of those that are tables of stages.
 
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,7 +48,6 @@ struct ProgramResult {
 [[nodiscard]] std::string program_table(const std::vector<ProgramResult>& results);
 [[nodiscard]] std::string program_csv(const std::vector<ProgramResult>& results);
 /// One method; null: without limit.
-[[nodiscard]] nlohmann::ordered_json program_json(const ProgramResult& result);
 /// Region of stability: over (h ω, h c) or the complex plane of h λ; with a limit, also the oscillation
 /// that sets it at the result's step.
 [[nodiscard]] tools::Plot program_map(const ProgramResult& result);
@@ -69,7 +67,6 @@ struct StabilityResult {
 [[nodiscard]] std::string stability_table(const std::vector<StabilityResult>& results);
 [[nodiscard]] std::string stability_csv(const std::vector<StabilityResult>& results);
 /// One method; the parts that need a scene only with one.
-[[nodiscard]] nlohmann::ordered_json stability_json(const StabilityResult& result);
 /// |R(z)| ≤ 1, and the eigenvalues times the step. @param values may be empty   @param step [s]
 [[nodiscard]] tools::Plot stability_map(const StabilityResult& result, const bench::Eigenvalues& values, double step,
                                         const std::string& scene);

@@ -11,10 +11,9 @@
 
 #include "bench/method/analysis/order.hpp"
 #include "bench/method/analysis/stability.hpp"
+#include "bench/method/family/families.hpp"
 #include "bench/method/family/fitted.hpp"
 #include "bench/method/family/near_optimal.hpp"
-#include "bench/method/family/rkc.hpp"
-#include "bench/method/family/rock.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/engine/method/plan_fixture.hpp"
 
@@ -76,16 +75,6 @@ TEST(Fitted, WideRegionsCanBeMetToo) {
         EXPECT_LE(fitted->plan.stages.size(), 65u) << real;
         RecordProperty("stages_for_" + std::to_string(imaginary), std::to_string(fitted->plan.stages.size() - 1));
     }
-}
-
-/// A list of eigenvalues instead of a region: oscillations without damping, which the region would not cover.
-TEST(Fitted, FollowsAListOfEigenvalues) {
-    std::vector<std::complex<double>> points;
-    for (int i = 1; i <= 50; ++i) points.emplace_back(0.0, 0.04 * i);
-    for (int i = 1; i <= 50; ++i) points.emplace_back(-3.0 * i, 0.0);
-    const auto fitted = fit(region(150.0, 2.0), points);
-    ASSERT_TRUE(fitted);
-    for (const auto& z : points) EXPECT_LE(std::abs(stability_function(fitted->plan, z)), 1.0 + 1e-9) << z.real() << ' ' << z.imag();
 }
 
 TEST(NightlyFitted, TakesMilliseconds) {

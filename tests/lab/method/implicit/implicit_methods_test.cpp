@@ -83,23 +83,6 @@ TEST(ImplicitMethods, EveryCutChangesATipAlsoWhereTheStepIsTakenAgain) {
     }
 }
 
-TEST(EveryImplicitMethod, HasOneResultForEverySchedule) {
-    for (const MethodProgram& program : implicit_programs()) {
-        const auto hash = [&](const Schedule& schedule) {
-            Simulation simulation(implicit_scene(program.name), schedule);
-            SilentObserver silent;
-            const engine::Cancellation never;
-            EXPECT_FALSE(simulation.advance({.until = 0.0}, silent, never)) << schedule.text();
-            return simulation.hash();
-        };
-        const std::uint64_t expected = hash({});
-        std::vector<Schedule> others{{"serial", {}, 24, 1}, {"tbb_loop", {}, 7, 3}};
-        for (const char* executor : {"barrier", "flow", "flow_messages"})
-            for (const Assembly assembly : {Assembly::fused, Assembly::staged}) others.push_back({executor, {assembly}, 3, 2});
-        for (const Schedule& other : others) EXPECT_EQ(hash(other), expected) << program.name << ", " << other.text();
-    }
-}
-
 TEST(EveryImplicitMethod, DeclaresAGraphWithoutRaces) {
     for (const MethodProgram& program : implicit_programs()) {
         const Scene scene = implicit_scene(program.name);

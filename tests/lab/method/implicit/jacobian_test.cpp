@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include "bench/method/implicit/broyden.hpp"
+#include "bench/method/implicit/trapezoidal.hpp"
 #include "jacobian_fixture.hpp"
 
 namespace cvtflow::bench {

@@ -7,13 +7,17 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <filesystem>
+#include <iterator>
 #include <stdexcept>
 
 #include "bench/count/instructions.hpp"
 #include "bench/study/profile/counted_work.hpp"
 #include "bench/study/profile/measure.hpp"
+#include "bench/study/profile/other_load.hpp"
 #include "bench/study/profile/statistics.hpp"
 #include "engine/executor/catalogue.hpp"
+#include "engine/thread/pinning.hpp"
 #include "tasks/step/control/energy_ledger.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
@@ -78,7 +82,6 @@ TEST(Profile, IsCrowdedIfItsCalibrationGotLessThanNineTenths) {
         profile.calibrated = calibrated;
         EXPECT_EQ(profile.crowded(), crowded) << calibrated;
     }
-    EXPECT_FALSE(profile.predicts()) << "no model was made";
 }
 
 /// The first turns, before those that count, are samples only where they were slow.
@@ -104,7 +107,6 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
     options.rounds = 2;
     options.steps = 5;
     options.neighbours = {0, 1};
-    options.predict_crowded = true;  // whatever else runs here
     const auto schedules = chosen_schedules(ready_tiny(), {.names = {"serial:staged", "flow:fused", "flow:staged"}, .threads = {2}});
     const Profile profile = profile_schedules(ready_tiny(), schedules, options);
     EXPECT_THAT(profile.differences, testing::IsEmpty());
@@ -124,15 +126,9 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
         EXPECT_NEAR(result.recording.pass.cycles, 25.0, 15.0);  // five steps of five cycles, and transitions
     }
     EXPECT_EQ(profile.results[0].loads[0].speed_up, 1.0);
-    for (const ScheduleResult& result : profile.results)
-        EXPECT_GT(result.predicted, 0.0) << result.name;    // staged ones too: serial:staged is among them
-    EXPECT_NEAR(profile.results[0].predicted, 1.0, 1e-12);  // serial by definition
     EXPECT_GT(profile.results[2].loads[0].cpu,
               0.0);                      // with a neighbour it is a difference, which half a millisecond of stepping does not resolve
     EXPECT_EQ(profile.bare.size(), 2u);  // of one and of two threads
-    EXPECT_GT(profile.model.costs.free, 0.0);
-    EXPECT_GT(profile.model.serial_step, 0.0);
-    EXPECT_EQ(profile.model.curves.size(), 24u);
 }
 
 /// A run searches for its automatic step once, with a hundred evaluations or more; afterwards, from time to time, with a few more.
@@ -174,6 +170,12 @@ TEST(CountedWork, ThreadsTakeTheNextTaskThatIsReady) {
     EXPECT_DOUBLE_EQ(makespan(graph, 0, work, 2), 6.0);  // 3 + 2 beside 4, then 1
     EXPECT_DOUBLE_EQ(makespan(graph, 0, work, 3), 5.0);
     EXPECT_DOUBLE_EQ(makespan(graph, 0, work, 9), 5.0) << "threads without a task";
+}
+
+TEST(CountedWork, EvenSpeedUpCountsTheLongestSegment) {
+    EXPECT_DOUBLE_EQ(even_speed_up(84, 7), 7.0);
+    EXPECT_DOUBLE_EQ(even_speed_up(84, 8), 84.0 / 11.0);  // 10 or 11 links each
+    EXPECT_DOUBLE_EQ(even_speed_up(84, 64), 42.0);        // some segments have two links
 }
 
 /// The numbers of threads at which the published speed-up of the forces rises.
@@ -253,5 +255,39 @@ TEST(Statistics, QuartilesEncloseTheMedian) {
     EXPECT_EQ(spread({7.0}).upper_quartile, 7.0);
 }
 
+std::ptrdiff_t thread_count() { return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {}); }
+
+TEST(BusyNeighbours, BurnTimeAndLeave) {
+    const std::ptrdiff_t before = thread_count();
+    {
+        const BusyNeighbours two(2);
+        EXPECT_EQ(thread_count(), before + 2);
+        while (two.processor_seconds() < 0.005) {}
+    }
+    EXPECT_EQ(thread_count(), before);
+    const BusyNeighbours none(0);
+    EXPECT_EQ(none.processor_seconds(), 0.0);
+}
+
+TEST(Crowding, OneThreadGetsOneProcessorAtMost) {
+    const double got = processors_got(1, 0.02);
+    EXPECT_GT(got, 0.0);
+    EXPECT_LE(got, 1.0);
+}
+
+TEST(Crowding, ThreadsCannotGetMoreThanThereIs) {
+    const int processors = engine::Processors().count();
+    EXPECT_LE(processors_got(2 * processors, 0.05), 1.15 * processors);  // pieces run at different speeds where processors differ
+}
+
+/// Beside twice as many threads that do nothing but spin, a third of the machine is left. Half would be a lot: time slices are some
+/// milliseconds.
+TEST(Crowding, BusyNeighboursShow) {
+    const int processors = engine::Processors().count();
+    const BusyNeighbours neighbours(2 * processors);
+    EXPECT_LT(processors_got(processors, 0.3), 0.75 * processors);
+}
+
 }  // namespace
+
 }  // namespace cvtflow::bench

@@ -47,8 +47,6 @@ protected:
             {{engine::span_enter, 100, 120}, {1, 120, 190}, {engine::span_wait, 190, 195}, {engine::span_exit, 195, 220}}};
         profile_.results = {serial, flow};
         profile_.bare = {{2, 1.8e-7}};
-        profile_.model.touching = {true, false, false};
-        profile_.model.curves = speed_up_curves({.free = 1.0, .touching = 1.5}, 0.1, profile_.model.touching);
     }
     Scene scene_;
     Profile profile_;
@@ -66,17 +64,6 @@ TEST_F(Report, CsvHasARowPerScheduleAndLoadOfEqualWidth) {
     EXPECT_EQ(rows[3][7], "60.0000");  // median step [us]
 }
 
-TEST_F(Report, JsonContainsEverythingWithItsOrigin) {
-    const auto json = nlohmann::json::parse(profile_json(scene_, {}, profile_));
-    EXPECT_EQ(json["scene"], scene_.name);
-    for (const char* key : {"compiler", "flags", "tbb", "openmp", "cores", "commit"}) EXPECT_TRUE(json["provenance"].contains(key)) << key;
-    EXPECT_THAT(json["provenance"]["flags"].get<std::string>(), HasSubstr("-ffp-contract=off"));
-    ASSERT_EQ(json["schedules"].size(), 2u);
-    EXPECT_EQ(json["schedules"][1]["loads"][0]["step"]["median"], 6e-5);
-    EXPECT_EQ(json["model"]["curves"].size(), 3u);
-    EXPECT_EQ(json["bare_barrier"][0]["seconds"], 1.8e-7);
-}
-
 TEST_F(Report, StagesHaveARowPerScheduleThreadAndStage) {
     engine::TaskGraph graph;
     graph.add({"force[0]", 0, [](void*, int) noexcept {}, 0, {}, "all forces (fused)"});
@@ -92,18 +79,6 @@ TEST_F(Report, StagesHaveARowPerScheduleThreadAndStage) {
     EXPECT_EQ(rows[1 + 5 + 1][5], "\"all forces (fused)\"");
     EXPECT_EQ(rows[1 + 5 + 1][7], "0.75000");
     EXPECT_EQ(rows[1 + 5 + 1][8], "1.5000");  // [us] per step
-}
-
-TEST_F(Report, CurvesHaveARowPerNumberOfThreadsAndTheBestMeasuredBeside) {
-    std::istringstream lines(profile_curves_csv(scene_, profile_));
-    std::string line;
-    std::vector<std::vector<std::string>> rows;
-    while (std::getline(lines, line)) rows.push_back(cells(line));
-    ASSERT_THAT(rows, SizeIs(1 + 3));
-    for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
-    EXPECT_EQ(rows[2][8], "1.8300");
-    EXPECT_EQ(rows[2][9], "flow:fused");
-    EXPECT_EQ(rows[3][8], "");
 }
 
 TEST_F(Report, TraceIsJsonWithASpanPerTask) {

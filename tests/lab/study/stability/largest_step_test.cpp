@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include "bench/method/analysis/eigenvalues.hpp"
 #include "bench/method/analysis/order.hpp"
 #include "bench/method/analysis/stability.hpp"
 #include "bench/method/implicit/catalogue.hpp"
 #include "bench/method/laboratory_methods.hpp"
-#include "bench/method/linear/eigenvalues.hpp"
 #include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"
 #include "bench/study/stability/frozen_step.hpp"

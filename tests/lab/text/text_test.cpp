@@ -1,9 +1,12 @@
 /// Every command that compares runs shows the watch over a run, and offers automatic steps.
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
+#include "bench/lab/text/text.hpp"
+#include "tests/engine/graph/graph_fixture.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::bench {
@@ -48,5 +51,28 @@ TEST_F(WatchText, AutomaticStepsAreChoicesWhereverAMethodAndItsStepAreRead) {
     EXPECT_EQ(run({"compare", "tiny", "rk4@Auto", "-q"}).err, "cvtflow-lab: rk4@Auto: 'Auto' is not a time above 0, such as 40ns\n");
 }
 
+TEST(Dot, DrawsTasksByLevelsAndAllEdges) {
+    EXPECT_EQ(to_dot(engine::test::diamond(), 0),
+              "digraph cycle_0 {\n"
+              "    rankdir=LR;\n"
+              "    node [shape=box];\n"
+              "    { rank=same; t0 [label=\"source\"]; }\n"
+              "    { rank=same; t1 [label=\"left\"]; t2 [label=\"right\"]; }\n"
+              "    { rank=same; t3 [label=\"sink\"]; }\n"
+              "    t0 -> t1;\n"
+              "    t0 -> t2;\n"
+              "    t1 -> t3;\n"
+              "    t2 -> t3;\n"
+              "}\n");
+}
+
+TEST(Dot, NamesAreEscaped) {
+    engine::TaskGraph graph;
+    graph.add({R"(say "so" \ on)", 0, engine::test::record, 0, {}});
+    graph.freeze();
+    EXPECT_THAT(to_dot(graph, 0), HasSubstr(R"("say \"so\" \\ on")"));
+}
+
 }  // namespace
+
 }  // namespace cvtflow::bench

@@ -1,4 +1,4 @@
-#include "bench/method/linear/eigenvalues.hpp"
+#include "bench/method/analysis/eigenvalues.hpp"
 
 #include <gtest/gtest.h>
 

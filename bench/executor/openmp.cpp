@@ -1,7 +1,9 @@
-/// The executors on OpenMP.
+/// The executors on OpenMP. Its threads belong to the runtime, which keeps them from run to run. With OMP_WAIT_POLICY=active they wait for
+/// the next run on their processors, without end, and other work in between has to share these processors, unless release_threads() ends
+/// them. GNU's waits pause for milliseconds: when the system puts two threads on one processor a barrier takes 8 ms (measured), unless
+/// OMP_WAIT_POLICY=passive is set.
 
-#include <omp.h>
-
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -9,14 +11,28 @@
 #include "bench/executor/further_executors.hpp"
 #include "engine/thread/floating_mode.hpp"
 #include "engine/thread/pinning.hpp"
+#include "engine/thread/worker_threads.hpp"
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 
 namespace cvtflow::bench {
 
 using namespace engine;
 
-void OmpExecutor::release_threads() noexcept { omp_pause_resource_all(omp_pause_hard); }
+int team_grant(int threads) noexcept {
+    thread_local int known = 1;
+    if (threads > known) known += startable_threads(threads - known);
+    const int granted = std::min(threads, known);
+    if (granted < threads) note_shortage(threads, granted);
+    return granted;
+}
 
+#ifdef _OPENMP
 namespace {
+
+void release_threads() noexcept { omp_pause_resource_all(omp_pause_hard); }
 
 /// Called by the whole team; all tasks have finished on return. Shares are those of schedule(static), without the loop construct,
 /// in which LLVM's runtime allocates memory.
@@ -25,19 +41,17 @@ void run_level(const Run& run, std::span<const int> tasks, int thread, int team)
 #pragma omp barrier
 }
 
-}  // namespace
-
-/// `cycle` is written by the first thread between the last level's barrier and the one that follows the decision; the others read it
-/// after that.
-void OmpRegion::execute(Run& run, int first) {
+/// Levels end at OpenMP's barriers; the calling thread meets the controller between two of them. `cycle` is written by the first
+/// thread between the last level's barrier and the one that follows the decision; the others read it after that.
+void run_region(Run& run, const ExecutorOptions& options, int first) {
     const Processors processors;
     const FloatingMode mode;
-    const int threads = team_grant(options().threads);
+    const int threads = team_grant(options.threads);
     int cycle = first;
 #pragma omp parallel num_threads(threads)
     {
         const int thread = omp_get_thread_num(), team = omp_get_num_threads();
-        const Pin pin(options().pin, processors, thread);
+        const Pin pin(options.pin, processors, thread);
         const FloatingScope scope(mode);
         while (cycle != Controller::stop) {
             for (int level = 0, levels = run.graph().levels(cycle); level < levels; ++level) {
@@ -49,8 +63,6 @@ void OmpRegion::execute(Run& run, int first) {
         }
     }
 }
-
-namespace {
 
 /// The team's threads, pinned. Regions of one team size that follow each other have the same threads under the same numbers.
 class TeamPins {
@@ -91,11 +103,11 @@ void run_level(const Run& run, std::span<const int> tasks, int threads, const Fl
     }
 }
 
-}  // namespace
-
-void OmpFork::execute(Run& run, int first) {
-    const int threads = team_grant(options().threads);
-    const TeamPins pins(options().pin, threads);
+/// The form that is published for this model: one `parallel for` with static schedule per level. LLVM's runtime allocates memory in every
+/// loop, GNU's does not.
+void run_forks(Run& run, const ExecutorOptions& options, int first) {
+    const int threads = team_grant(options.threads);
+    const TeamPins pins(options.pin, threads);
     const FloatingMode mode;
     for (int cycle = first; cycle != Controller::stop; cycle = run.decide(0)) {
         for (int level = 0; level < run.graph().levels(cycle); ++level) {
@@ -103,8 +115,6 @@ void OmpFork::execute(Run& run, int first) {
         }
     }
 }
-
-namespace {
 
 /// Dependences of a graph for OpenMP: for each task an address that represents its result, and the tasks before it.
 class Dependences {
@@ -132,22 +142,46 @@ private:
     std::vector<std::vector<int>> before_;  ///< [task]
 };
 
-}  // namespace
-
+/// OpenMP's tasks with `depend`: its runtime derives from addresses the dependences that the graph already has, and allocates memory for
+/// every task of every cycle. The master creates the tasks of a cycle, takes part in them, and asks the controller when all have finished.
 /// The barrier keeps modes and pins until all tasks are done: the team waits for them there and takes part.
-void OmpTasks::execute(Run& run, int first) {
+void run_tasks(Run& run, const ExecutorOptions& options, int first) {
     const Processors processors;
     const FloatingMode mode;
-    const int threads = team_grant(options().threads);
+    const int threads = team_grant(options.threads);
     Dependences dependences(run.graph());
 #pragma omp parallel num_threads(threads)
     {
-        const Pin pin(options().pin, processors, omp_get_thread_num());
+        const Pin pin(options.pin, processors, omp_get_thread_num());
         const FloatingScope scope(mode);
 #pragma omp master
         for (int cycle = first; cycle != Controller::stop; cycle = run.decide(0)) dependences.run_cycle(run, cycle);
 #pragma omp barrier
     }
+}
+
+constexpr Way omp_region{"omp_region", run_region, release_threads}, omp_fork{"omp_fork", run_forks, release_threads},
+    omp_tasks{"omp_tasks", run_tasks, release_threads};
+
+constexpr auto make_region = make<omp_region>, make_fork = make<omp_fork>, make_tasks = make<omp_tasks>;
+
+}  // namespace
+
+std::string openmp_version() { return std::to_string(_OPENMP); }
+#else
+constexpr std::nullptr_t make_region = nullptr, make_fork = nullptr, make_tasks = nullptr;
+
+std::string openmp_version() { return "none"; }
+#endif
+
+Runtime openmp_runtime() {
+    const auto row = [](std::string_view name, std::string_view description, auto make_it) {
+        return ExecutorRow{name, description, true, Waiting::environment, "OpenMP", make_it};
+    };
+    return {openmp_version() == "none" ? "" : "OpenMP " + openmp_version(),
+            {row("omp_region", "one OpenMP region for the whole run, barriers inside", make_region),
+             row("omp_fork", "OpenMP parallel for at every level", make_fork),
+             row("omp_tasks", "OpenMP tasks with depend, created anew in every cycle", make_tasks)}};
 }
 
 }  // namespace cvtflow::bench

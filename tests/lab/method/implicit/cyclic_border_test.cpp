@@ -1,4 +1,4 @@
-#include "bench/method/linear/cyclic_border.hpp"
+#include "bench/method/implicit/cyclic_border.hpp"
 
 #include <gtest/gtest.h>
 
@@ -37,37 +37,31 @@ struct BorderedSystem {
     }
 };
 
-void copy(const BorderedSystem& p, int row, int column, int rows, int columns, double* to, int stride) {
-    for (int i = 0; i < rows; ++i) {
-        for (int j = 0; j < columns; ++j) to[i * stride + j] = p.dense(row + i, column + j);
-    }
-}
-
-void fill_block(const BorderedSystem& p, CyclicBorder& system, int i) {
-    const CyclicBorder::Block block = system.block(i);
+/// Fills it with border unknowns in another order; blocks of an odd number have none.
+void fill(const BorderedSystem& p, CyclicBorder& system) {
     const int n = p.size, edge = p.blocks * n;
-    copy(p, i * n, i * n, n, n, block.diagonal, n);
-    if (p.blocks > 1) copy(p, i * n, (i + p.blocks - 1) % p.blocks * n, n, n, block.lower, n);
-    if (p.blocks > 2)
-        copy(p, i * n, (i + 1) % p.blocks * n, n, n, block.upper, block.upper_stride);  // of two blocks each has one neighbour
-    for (std::size_t k = 0; k < block.border.size(); ++k) {
-        const int unknown = edge + block.border[k];
-        copy(p, i * n, unknown, n, 1, block.columns + k, block.columns_stride);
-        copy(p, unknown, i * n, 1, n, block.rows + static_cast<int>(k) * n, n);
+    const auto block = [&](int row, int column) { return p.dense.block(row * n, (column + p.blocks) % p.blocks * n, n, n); };
+    std::vector<int> all;
+    for (int k = p.border; k-- > 0;) all.push_back(k);
+    for (int c = 0; c < system.chunks(); ++c) {
+        bool sees = false;
+        for (int i = system.first(c); i < system.first(c + 1); ++i) sees = sees || i % 2 == 0;
+        system.clear(c, sees ? std::span<const int>(all) : std::span<const int>{});
     }
+    for (int i = 0; i < p.blocks; ++i) {
+        system.diagonal(i) = block(i, i);
+        if (p.blocks > 1) system.lower(i) = block(i, i - 1);
+        if (p.blocks > 2) system.upper(i) = block(i, i + 1);  // of two blocks each has one neighbour
+        if (i % 2 != 0) continue;
+        system.columns(i) = p.dense.block(i * n, edge, n, p.border).rowwise().reverse();
+        system.rows(i) = p.dense.block(edge, i * n, p.border, n).colwise().reverse();
+    }
+    system.corner() = p.dense.bottomRightCorner(p.border, p.border);
 }
 
 std::vector<double> solved(const BorderedSystem& p, int chunks, bool backwards = false) {
     CyclicBorder system(p.blocks, p.size, p.border, chunks);
-    std::vector<int> all;
-    for (int k = p.border; k-- > 0;) all.push_back(k);  // in any order
-    for (int c = 0; c < chunks; ++c) {
-        bool sees = false;
-        for (int i = system.range(c).first; i + 1 < system.range(c).last; ++i) sees = sees || i % 2 == 0;
-        system.clear(c, sees ? std::span<const int>(all) : std::span<const int>{});
-    }
-    for (int i = 0; i < p.blocks; ++i) fill_block(p, system, i);
-    copy(p, p.blocks * p.size, p.blocks * p.size, p.border, p.border, system.corner(), p.border);
+    fill(p, system);
     std::vector<double> x = p.rhs;
     const auto each = [&](auto&& body) {
         for (int c = 0; c < chunks; ++c) body(backwards ? chunks - 1 - c : c);
@@ -115,26 +109,8 @@ TEST(CyclicBorder, ReportsThatAMatrixIsSingular) {
     BorderedSystem problem(6, 3, 2, 5);
     problem.dense.block(0, 0, 3, problem.dense.cols()).setZero();
     CyclicBorder system(6, 3, 2, 2);
-    const std::vector<int> all{0, 1};
-    for (int c = 0; c < 2; ++c) system.clear(c, all);
-    for (int i = 0; i < 6; ++i) fill_block(problem, system, i);
+    fill(problem, system);
     EXPECT_FALSE(system.eliminate(0));
-}
-
-TEST(Dense, FactorisesWithExchanges) {
-    double a[9] = {0.0, 2.0, 1.0, 1.0, 1.0, 0.0, 4.0, -1.0, 3.0};
-    Eigen::Matrix3d m;
-    m << 0, 2, 1, 1, 1, 0, 4, -1, 3;
-    int exchanges[3];
-    ASSERT_TRUE(factorise(3, a, exchanges));
-    double x[6] = {1, 4, 2, 5, 3, 6};
-    solve_factorised(3, a, exchanges, x, 2, 2);
-    Eigen::Matrix<double, 3, 2> b;
-    b << 1, 4, 2, 5, 3, 6;
-    const Eigen::Matrix<double, 3, 2> should = m.partialPivLu().solve(b);
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 2; ++j) EXPECT_NEAR(x[2 * i + j], should(i, j), 1e-14);
-    }
 }
 
 }  // namespace

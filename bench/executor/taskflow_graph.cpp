@@ -1,19 +1,26 @@
+/// Taskflow, with the whole run as one of its graphs.
+
 #include "bench/executor/compared_executors.hpp"
 
 #include <algorithm>
 #include <exception>
 #include <memory>
 #include <optional>
-#include <taskflow/taskflow.hpp>
 #include <vector>
 
 #include "engine/thread/pinning.hpp"
 #include "engine/thread/worker_threads.hpp"
 
+#if __has_include(<taskflow/taskflow.hpp>)
+#include <taskflow/taskflow.hpp>
+#define CVTFLOW_HAS_TASKFLOW
+#endif
+
 namespace cvtflow::bench {
 
 using namespace engine;
 
+#ifdef CVTFLOW_HAS_TASKFLOW
 namespace {
 
 /// Pins workers for their lifetime.
@@ -31,8 +38,8 @@ private:
     std::vector<std::optional<Pin>> pins_;  ///< [worker]
 };
 
-/// The run as a Taskflow: `decide` is a condition task, whose result is opened. Leaving a cycle is a condition task as well, since only
-/// their edges may lead back.
+/// The run as a Taskflow, built when it begins: a node per task and, for every cycle, a node that opens it and one that leaves it. `decide`
+/// is a condition task, whose result is opened. Leaving a cycle is a condition task as well, since only their edges may lead back.
 ///
 ///     begin ─► decide ┄► open[c] ─► tasks of the cycle ─► leave[c] ┄► decide … or nothing, at the end
 class RunFlow {
@@ -89,16 +96,41 @@ std::unique_ptr<tf::Executor> start_workers(const ExecutorOptions& options) {
     }
 }
 
-}  // namespace
-
-void TaskflowGraph::execute(Run& run, int first) {
-    const std::unique_ptr<tf::Executor> executor = start_workers(options());
+/// The workers exist as long as the run; the calling thread sleeps, since only workers take part. If the system has no thread for a
+/// worker, the calling thread runs everything.
+void run_taskflow(Run& run, const ExecutorOptions& options, int first) {
+    const std::unique_ptr<tf::Executor> executor = start_workers(options);
     if (executor == nullptr) {
         run_serially(run, first);
         return;
     }
     RunFlow flow(run, first, *executor);
     executor->run(flow.flow()).wait();
+}
+
+constexpr Way taskflow{"taskflow", run_taskflow};
+
+constexpr auto make_taskflow = make<taskflow>;
+
+std::string taskflow_version() {
+    return "Taskflow " + std::to_string(TF_MAJOR_VERSION) + "." + std::to_string(TF_MINOR_VERSION) + "." + std::to_string(TF_PATCH_VERSION);
+}
+
+}  // namespace
+#else
+constexpr std::nullptr_t make_taskflow = nullptr;
+
+[[nodiscard]] static std::string taskflow_version() { return ""; }
+#endif
+
+Runtime taskflow_runtime() {
+    return {taskflow_version(),
+            {{.name = "taskflow",
+              .description = "a Taskflow graph for the whole run, a condition task from cycle to cycle",
+              .parallel = true,
+              .waiting = Waiting::fixed,
+              .needs = "Taskflow's headers (-DCVTFLOW_PEERS=FOLDER)",
+              .make = make_taskflow}}};
 }
 
 }  // namespace cvtflow::bench

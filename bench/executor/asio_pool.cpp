@@ -1,8 +1,9 @@
+/// Boost.Asio as a thread pool: one queue of handlers, to which tasks are posted when those before them have finished.
+
 #include "bench/executor/compared_executors.hpp"
 
+#include <algorithm>
 #include <atomic>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/post.hpp>
 #include <cstddef>
 #include <exception>
 #include <memory>
@@ -13,10 +14,18 @@
 #include "engine/thread/pinning.hpp"
 #include "engine/thread/worker_threads.hpp"
 
+#if __has_include(<boost/asio/io_context.hpp>)
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/version.hpp>
+#define CVTFLOW_HAS_ASIO
+#endif
+
 namespace cvtflow::bench {
 
 using namespace engine;
 
+#ifdef CVTFLOW_HAS_ASIO
 namespace {
 
 /// Memory of a task's handler while it waits in the queue; a task waits there once at a time.
@@ -50,6 +59,10 @@ struct PlaceAllocator {
 /// Number of the calling thread in the run that it works for.
 thread_local int asio_thread = 0;
 
+/// Threads that run one io_context; the calling thread is the first of them. Asio has no graphs: a counter per task shows when it is ready,
+/// and the thread that finishes the last task of a cycle calls the controller. Handlers are in memory of the run, one place per task, so
+/// that nothing is allocated while it lasts. The pool runs without threads that the system refuses to start.
+///
 /// Proof that this is free of races: a task is posted by the one that takes its counter to zero (acquire and release), and the queue's lock
 /// orders all writes before posting before the handler. Counters of a cycle are set by the thread that begins it, before it posts any task.
 class Queue {
@@ -128,8 +141,26 @@ private:
     boost::asio::io_context context_;      ///< last: it may still hold handlers, whose places must be there
 };
 
-}  // namespace
+constexpr Way asio_pool{"asio_pool", [](Run& run, const ExecutorOptions& options, int first) { Queue(run, options).run(first); }};
 
-void AsioPool::execute(Run& run, int first) { Queue(run, options()).run(first); }
+constexpr auto make_asio_pool = make<asio_pool>;
+
+}  // namespace
+#else
+constexpr std::nullptr_t make_asio_pool = nullptr;
+#define BOOST_LIB_VERSION ""
+#endif
+
+Runtime asio_runtime() {
+    std::string version = BOOST_LIB_VERSION;  // 1_74
+    std::ranges::replace(version, '_', '.');
+    return {version.empty() ? "" : "Boost " + version,
+            {{.name = "asio_pool",
+              .description = "Boost.Asio: a pool of threads, tasks posted when they are ready",
+              .parallel = true,
+              .waiting = Waiting::fixed,
+              .needs = "Boost.Asio (Debian: libboost-dev)",
+              .make = make_asio_pool}}};
+}
 
 }  // namespace cvtflow::bench
