@@ -1,5 +1,5 @@
 #pragma once
-/// A file of this process in the system's folder for such things.
+/// A file or folder of this process in the system's folder for such things.
 
 #include <unistd.h>
 
@@ -28,6 +28,26 @@ private:
     }
 
     std::string path_;
+};
+
+/// An empty folder that is removed with all that others write into it.
+class TemporaryFolder {
+public:
+    explicit TemporaryFolder(const std::string& name)
+        : path_(std::filesystem::temp_directory_path() / ("cvtflow_" + name + "_" + std::to_string(getpid()))) {
+        std::filesystem::remove_all(path_);
+        std::filesystem::create_directories(path_);
+    }
+    ~TemporaryFolder() {
+        std::error_code absent;
+        std::filesystem::remove_all(path_, absent);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+private:
+    std::filesystem::path path_;
 };
 
 }  // namespace cvtflow::tests

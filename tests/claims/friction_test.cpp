@@ -13,6 +13,7 @@
 #include "model/law/friction.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::claims {
 namespace {
@@ -60,40 +61,32 @@ TEST(NightlyFrictionSlip, GrowsWithTheTorqueFromZeroAtEveryRatio) {
 }
 
 /// Mean friction of the tips on sheaves 1-, 1+, 2-, 2+, over 30 ms after settling [W].
-class SheaveFriction final : public tasks::RunObserver {
-public:
-    explicit SheaveFriction(const tasks::Scene& scene) : simulation_(scene), observer_(simulation_.workspace().variator) {
-        tasks::SilentObserver settling;
-        EXPECT_FALSE(simulation_.advance({.until = 0.0}, settling, engine::Cancellation()));
-        EXPECT_FALSE(simulation_.advance({.until = scene.run.until}, *this, engine::Cancellation()));
-        EXPECT_GT(outputs_, 1000.0);
-        for (double& power : mean) power /= outputs_;
-    }
-    void output(double time, const tasks::Workspace& workspace, const tasks::Counters&) override {
-        (void)workspace.observed_by(observer_, time);
+std::array<double, 4> sheave_friction(const tasks::Scene& scene) {
+    tasks::Simulation simulation(scene);
+    model::Observer observer(simulation.workspace().variator);
+    std::array<double, 4> mean{};
+    double outputs = 0.0;
+    tasks::Outputs summed([&](double time, const tasks::Workspace& workspace, const tasks::Counters&) {
+        (void)workspace.observed_by(observer, time);
         const model::ChainModel& chain = workspace.variator.chain();
-        const auto& power = observer_.forces().chain.tip_power;
+        const auto& power = observer.forces().chain.tip_power;
         for (std::size_t tip = 0; tip < power.size(); ++tip) {
             const int link = static_cast<int>(tip) / model::tips_per_link;
             const int shaft = chain.shaft_of(workspace.state() + chain.layout().link_begin(link));
             mean[2 * static_cast<std::size_t>(shaft) + tip % 2] += power[tip];
         }
-        ++outputs_;
-    }
-    void transition(const tasks::TransitionRecord&) override {}
-    std::array<double, 4> mean{};
-
-private:
-    tasks::Simulation simulation_;
-    model::Observer observer_;
-    double outputs_ = 0.0;
-};
+        ++outputs;
+    });
+    settle_and_go(simulation, scene.run.until, summed);
+    EXPECT_GT(outputs, 1000.0);
+    for (double& power : mean) power /= outputs;
+    return mean;
+}
 
 std::array<double, 4> friction_with(const std::string& misalignment) {
-    return SheaveFriction(scene_at_level("baseline", "rigid",
-                                         {"load.torque=120", "start.settling_time=40 ms", "run.until=30 ms", "run.output_interval=20 us",
-                                          "imperfection.misalignment=" + misalignment}))
-        .mean;
+    return sheave_friction(scene_at_level("baseline", "rigid",
+                                          {"load.torque=120", "start.settling_time=40 ms", "run.until=30 ms", "run.output_interval=20 us",
+                                           "imperfection.misalignment=" + misalignment}));
 }
 
 /// Clamping moves the grooves of a perfect machine apart by 68 um, and a chain that runs askew rubs more on one side of each pulley. A
@@ -115,12 +108,7 @@ TEST(SheaveFriction, IsSharedEvenlyWhereTheGroovesAreInLine) {
     settings.insert(settings.end(), law.begin(), law.end());
     Scene scene = scene_at_level("tiny", level, settings);
     scene.run.method = method;
-    tasks::Simulation simulation(scene);
-    tasks::SilentObserver silent;
-    const engine::Cancellation never;
-    EXPECT_FALSE(simulation.advance({.until = 0.0}, silent, never));
-    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, silent, never));
-    return simulation.hash();
+    return hash_at(scene, scene.run.until);
 }
 
 TEST(TipLaw, AConstantTableHasTheBitsOfTheConstantLaw) {
@@ -191,8 +179,7 @@ TEST(FrictionSlip, TendsToALimitAsTheSaturationSpeedVanishes) {
             "baseline", {"run.schedule=serial", "run.method=leapfrog-chebyshev", "run.step=1us", "joint.saturation_speed=" + text(5e-3),
                          "plate.saturation_speed=" + text(1e-2), "tip.saturation_speed=" + text(1e-2)});
         tasks::Simulation simulation(scene);
-        tasks::SilentObserver silent;
-        EXPECT_FALSE(simulation.advance({.until = 100e-6}, silent, engine::Cancellation())) << scale;
+        settle_and_go(simulation, 100e-6);
         model::Observer observer(simulation.workspace().variator);
         return simulation.workspace().observed_by(observer, simulation.time()).tight;
     };

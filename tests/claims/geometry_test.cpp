@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <string>
 
@@ -33,10 +32,7 @@ model::Parameters around_pulleys(double ratio, std::vector<double> pitch) {
 }
 
 model::Parameters ring(int pins, std::vector<double> pitch) {
-    model::Parameters p;
-    p.detail.pulleys = model::PulleyDetail::absent;
-    p.start.layout = model::StartLayout::ring;
-    p.chain.pins = pins;
+    model::Parameters p = free_ring(pins);
     p.chain.pitch = std::move(pitch);
     return p;
 }
@@ -71,58 +67,83 @@ double pretension(const model::Parameters& p) {
     return model::link_mass(p) * p.chain.pins / length * speed * speed;
 }
 
-TEST(BeltGeometry, AtRatioOneTheRadiusIs54MillimetresAndTheWrapsAreHalfCircles) {
-    const double length = 84 * 8.12e-3;
-    const auto radii = model::belt_radii(length, 1.0, 0.170);
-    ASSERT_TRUE(radii.has_value());
-    EXPECT_NEAR(radii->driving, (length - 2.0 * 0.170) / (2.0 * pi), 1e-16);
-    EXPECT_NEAR(radii->driving, 54.444e-3, 5e-7);  // as rounded in the design
-    EXPECT_NEAR(radii->driven, radii->driving, 1e-17);
-}
+/// A start as it was placed.
+struct Placed {
+    explicit Placed(const model::Parameters& parameters) : p(parameters), start(model::start_state(p)) {}
 
-TEST(BeltGeometry, AtRatio24RadiiAndWrapsAreThoseOfTheOpenBelt) {
-    const double a = 0.170;
-    const auto radii = model::belt_radii(84 * 8.12e-3, 2.4, a);
-    ASSERT_TRUE(radii.has_value());
-    const double lean = std::asin((radii->driven - radii->driving) / a);
-    EXPECT_NEAR(radii->driving, 30.984e-3, 5e-7);
-    EXPECT_NEAR(radii->driven, 74.361e-3, 5e-7);
-    EXPECT_NEAR(180.0 - lean * 360.0 / pi, 150.43, 5e-3);
-    EXPECT_NEAR(180.0 + lean * 360.0 / pi, 209.57, 5e-3);
-    // Length put together from its pieces: two strands and two arcs.
-    const double pieces = 2.0 * std::sqrt(a * a - std::pow(radii->driven - radii->driving, 2)) + radii->driving * (pi - 2.0 * lean) +
-                          radii->driven * (pi + 2.0 * lean);
-    EXPECT_NEAR(model::belt_length(*radii, a), pieces, 1e-15);
-    EXPECT_NEAR(pieces, 84 * 8.12e-3, 1e-15);
-}
-
-/// Made once, for all tests.
-const model::StartState& started(const Start& row) {
-    static std::map<std::string, model::StartState> made;
-    const auto there = made.find(row.name);
-    return there != made.end() ? there->second : made.emplace(row.name, model::start_state(row.parameters)).first->second;
-}
-
-class GeometricStart : public testing::TestWithParam<Start> {
-protected:
-    const model::Parameters& p = GetParam().parameters;
-    const model::StartState& start = started(GetParam());
+    const model::Parameters& p;
+    const model::StartState start;
     const ChainView chain{p, start.state.data()};
-    const double pull = pretension(p);
 };
 
-TEST_P(GeometricStart, EveryJointHasTheDepthOfItsPretension) {
-    for (int pin = 0; pin < chain.links(); ++pin) EXPECT_NEAR(chain.joint_depth(pin), pull / p.joint.stiffness, 1e-12) << "pin " << pin;
+void expect_joints_and_plates_of_their_pretension(const Placed& at) {
+    const double pull = pretension(at.p);
+    double closing = 0.0, stretching = 0.0;
+    for (int link = 0; link < at.chain.links(); ++link) {
+        EXPECT_NEAR(at.chain.joint_depth(link), pull / at.p.joint.stiffness, 1e-12) << "pin " << link;
+        EXPECT_NEAR(at.chain.stretch(link), pull / (at.p.plate.count * at.p.plate.stiffness), 1e-12) << "link " << link;
+        closing = std::max(closing, std::abs(at.chain.joint_closing(link)));
+        stretching = std::max(stretching, std::abs(at.chain.stretching(link)));
+    }
+    // Velocities are differences of two placements 2e-3 pitches apart: second order in them, and first order where a strand meets an arc.
+    // Measured up to 2.5e-7 and 4.3e-7 m/s at 15 m/s; a stiff contact would answer 1 um/s with some millinewtons.
+    EXPECT_LT(closing, 1e-7 * std::max(at.start.speed, 5.0));
+    EXPECT_LT(stretching, 1e-7 * std::max(at.start.speed, 5.0));
 }
 
-TEST_P(GeometricStart, EveryPlateHasTheLengthOfItsPretension) {
-    for (int link = 0; link < chain.links(); ++link) {
-        EXPECT_NEAR(chain.stretch(link), pull / (p.plate.count * p.plate.stiffness), 1e-12) << "link " << link;
+void expect_pins_on_one_circle_per_pulley_and_on_the_tangents_between(const Placed& at) {
+    const double r1 = at.start.radii.driving, r2 = at.start.radii.driven, a = at.p.pulley.centre_distance;
+    const bool is_ring = at.p.start.layout == model::StartLayout::ring;
+    const double sine = is_ring ? 0.0 : (r2 - r1) / a, cosine = std::sqrt(1.0 - sine * sine);
+    int counted[3] = {0, 0, 0};
+    for (int pin = 0; pin < at.chain.links(); ++pin) {
+        const Vector place = at.chain.pin(pin);
+        if (is_ring || place.x <= -r1 * sine) {
+            EXPECT_NEAR(std::hypot(place.x, place.y), r1, 1e-12);
+            ++counted[0];
+        } else if (place.x >= a - r2 * sine) {
+            EXPECT_NEAR(std::hypot(place.x - a, place.y), r2, 1e-12);
+            ++counted[1];
+        } else {
+            EXPECT_NEAR(-place.x * sine + std::abs(place.y) * cosine, r1, 1e-12);  // distance of the tangent from the driving axis
+            ++counted[2];
+        }
+    }
+    EXPECT_GT(counted[0], 0);
+    EXPECT_TRUE(is_ring || counted[1] * counted[2] > 0);
+}
+
+void expect_deepest_tip_just_touching_each_sheave(const Placed& at) {
+    const model::ChainModel model = model::make_chain(at.p);
+    const model::PulleyModel pulleys(at.p);
+    model::SheaveMotion sheaves[4];
+    pulleys.motions(at.start.state.data() + model.layout().pulley_begin(), sheaves);
+    double deepest[4] = {-1.0, -1.0, -1.0, -1.0};
+    for (int link = 0; link < at.chain.links(); ++link) {
+        const double* block = at.start.state.data() + model.layout().link_begin(link);
+        model::TipProbe probe;
+        model::NeighbourWindow strip;
+        model.probe(strip.of(model.layout(), at.start.state.data(), link), sheaves, false, probe);
+        const int shaft = model.shaft_of(block);
+        for (int tip = 0; tip < model::tips_per_link; ++tip)
+            deepest[2 * shaft + tip % 2] = std::max(deepest[2 * shaft + tip % 2], probe.depth[tip]);
+    }
+    for (const double depth : deepest) EXPECT_NEAR(depth, 0.0, 1e-12);
+    for (const model::Phase phase : at.start.phases) EXPECT_EQ(phase, model::Phase::free);
+}
+
+TEST(GeometricStart, IsClosedAndPlacedAsRequested) {
+    for (const Start& row : starts()) {
+        SCOPED_TRACE(row.name);
+        const Placed at(row.parameters);
+        expect_joints_and_plates_of_their_pretension(at);
+        expect_pins_on_one_circle_per_pulley_and_on_the_tangents_between(at);
+        if (at.p.detail.pulleys != model::PulleyDetail::absent) expect_deepest_tip_just_touching_each_sheave(at);
     }
 }
 
 /// Rigid pins have plates and joints in series in a link; halves have a separate depth for each.
-TEST(GeometricStartOfEveryLevel, CarriesItsPretensionInEveryLink) {
+TEST(GeometricStart, CarriesItsPretensionInEveryLinkAtEveryLevel) {
     std::vector<std::string> all = levels();
     all.emplace_back("rigid");
     const std::vector<double> pitch{8.12e-3};
@@ -138,64 +159,6 @@ TEST(GeometricStartOfEveryLevel, CarriesItsPretensionInEveryLink) {
         }
     }
 }
-
-TEST_P(GeometricStart, PinsLieOnOneCirclePerPulleyAndOnTheTangentsBetween) {
-    const double r1 = start.radii.driving, r2 = start.radii.driven, a = p.pulley.centre_distance;
-    const bool is_ring = p.start.layout == model::StartLayout::ring;
-    const double sine = is_ring ? 0.0 : (r2 - r1) / a, cosine = std::sqrt(1.0 - sine * sine);
-    int counted[3] = {0, 0, 0};
-    for (int pin = 0; pin < chain.links(); ++pin) {
-        const Vector at = chain.pin(pin);
-        if (is_ring || at.x <= -r1 * sine) {
-            EXPECT_NEAR(std::hypot(at.x, at.y), r1, 1e-12);
-            ++counted[0];
-        } else if (at.x >= a - r2 * sine) {
-            EXPECT_NEAR(std::hypot(at.x - a, at.y), r2, 1e-12);
-            ++counted[1];
-        } else {
-            EXPECT_NEAR(-at.x * sine + std::abs(at.y) * cosine, r1, 1e-12);  // distance of the tangent from the driving axis
-            ++counted[2];
-        }
-    }
-    EXPECT_GT(counted[0], 0);
-    if (!is_ring) {
-        EXPECT_GT(counted[1] * counted[2], 0);
-    }
-}
-
-TEST_P(GeometricStart, VelocitiesNeitherCloseJointsNorStretchPlates) {
-    double closing = 0.0, stretching = 0.0;
-    for (int link = 0; link < chain.links(); ++link) {
-        closing = std::max(closing, std::abs(chain.joint_closing(link)));
-        stretching = std::max(stretching, std::abs(chain.stretching(link)));
-    }
-    // Differences of two placements 2e-3 pitches apart: second order in them, and first order where a strand meets an arc. Measured up to
-    // 2.5e-7 and 4.3e-7 m/s at 15 m/s; a stiff contact would answer 1 um/s with some millinewtons.
-    EXPECT_LT(closing, 1e-7 * std::max(start.speed, 5.0));
-    EXPECT_LT(stretching, 1e-7 * std::max(start.speed, 5.0));
-}
-
-TEST_P(GeometricStart, TheDeepestTipJustTouchesEachSheave) {
-    if (p.detail.pulleys == model::PulleyDetail::absent) return;
-    const model::ChainModel model = model::make_chain(p);
-    const model::PulleyModel pulleys(p);
-    model::SheaveMotion sheaves[4];
-    pulleys.motions(start.state.data() + model.layout().pulley_begin(), sheaves);
-    double deepest[4] = {-1.0, -1.0, -1.0, -1.0};
-    for (int link = 0; link < chain.links(); ++link) {
-        const double* block = start.state.data() + model.layout().link_begin(link);
-        model::TipProbe probe;
-        model::NeighbourWindow strip;
-        model.probe(strip.of(model.layout(), start.state.data(), link), sheaves, false, probe);
-        const int shaft = model.shaft_of(block);
-        for (int tip = 0; tip < model::tips_per_link; ++tip)
-            deepest[2 * shaft + tip % 2] = std::max(deepest[2 * shaft + tip % 2], probe.depth[tip]);
-    }
-    for (const double depth : deepest) EXPECT_NEAR(depth, 0.0, 1e-12);
-    for (const model::Phase phase : start.phases) EXPECT_EQ(phase, model::Phase::free);
-}
-
-INSTANTIATE_TEST_SUITE_P(Chain, GeometricStart, testing::ValuesIn(starts()), [](const auto& instance) { return instance.param.name; });
 
 TEST(GeometricStart, IsRefusedWhereTheChainDoesNotFit) {
     model::Parameters p;

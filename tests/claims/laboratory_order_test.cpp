@@ -48,11 +48,7 @@ TEST(ImplicitOrder, OnAFreeRing) {
 
 /// A ring without friction and damping swings; its fastest mode (extension of the pins) does not depend on where it is.
 TEST(FrictionOrder, LeapfrogsAreStableToTheImaginaryBoundaryWithinTwoPercent) {
-    model::Parameters p;
-    p.detail.pulleys = model::PulleyDetail::absent;
-    p.start.layout = model::StartLayout::ring;
-    p.chain.pins = 12;
-    p.start.ring_speed = 600.0;
+    model::Parameters p = free_ring(12, 600.0);
     make_conservative(p);
     const Rig start(p);
     double fastest = 0.0;

@@ -11,9 +11,9 @@
 #include <cmath>
 #include "tasks/method/method.hpp"
 #include "tasks/run/run.hpp"
-#include "tasks/scene/ready_scenes.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/sample_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -46,14 +46,14 @@ const std::vector<Row>& rows() {
 }
 
 RunReport run_row(const Row& row, const std::string& step) {
-    Scene scene = read_scene(find_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + row.scene + ".toml"));
+    Scene scene = read_scene(scene_file(row.scene));
     if (!row.detail.empty()) {
         apply_detail(scene, row.detail);
         scene.state_file.clear();
     }
-    std::vector<std::string> settings = row.settings;
-    settings.insert(settings.end(), {"run.method=leapfrog-chebyshev", "run.step=" + step, "run.until=20 ms", "run.schedule=serial"});
-    set_values(scene, settings);
+    set_values(scene, row.settings);
+    set_values(scene,
+               std::vector<std::string>{"run.method=leapfrog-chebyshev", "run.step=" + step, "run.until=20 ms", "run.schedule=serial"});
     return run_scene(scene, {});
 }
 
@@ -84,8 +84,7 @@ TEST(NightlyReliability, OfEverySettingThatWasOncePrintedWrong) {
 
 /// Machines whose chain is another one than the ready state's: each was called finished with the slip of a chain that snaps into place.
 void expect_settled_anew(const std::vector<std::string>& settings) {
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml");
-    set_values(scene, settings);
+    Scene scene = claims::ready_scene("baseline", settings);
     set_values(scene, std::vector<std::string>{"run.method=leapfrog-chebyshev", "run.until=12 ms", "run.schedule=serial",
                                                "start.settling_time=20 ms"});
     const RunReport ready = run_scene(scene, {});
@@ -99,19 +98,15 @@ void expect_settled_anew(const std::vector<std::string>& settings) {
 TEST(Reliability, OfAReadyStateWhoseChainIsAnotherOne) { expect_settled_anew({"chain.pitch=[\"8.12 mm\",\"8.42 mm\",\"7.82 mm\"]"}); }
 
 TEST(NightlyReliability, OfEveryReadyStateWhoseChainIsAnotherOne) {
-    expect_settled_anew({"chain.pitch=[\"8.12 mm\",\"8.22 mm\",\"8.02 mm\"]"});
-    expect_settled_anew({"chain.pitch=[\"8.12 mm\",\"8.82 mm\",\"7.42 mm\"]"});
-    expect_settled_anew({"chain.pitch=8.3 mm"});
-    expect_settled_anew({"half.width=2.2 mm"});
-    expect_settled_anew({"pulley.centre_distance=171 mm"});
+    for (const char* other : {"chain.pitch=[\"8.12 mm\",\"8.22 mm\",\"8.02 mm\"]", "chain.pitch=[\"8.12 mm\",\"8.82 mm\",\"7.42 mm\"]",
+                              "chain.pitch=8.3 mm", "half.width=2.2 mm", "pulley.centre_distance=171 mm"})
+        expect_settled_anew({other});
 }
 
 /// 8 ms of baseline with a jump in the middle of a step.
 RunReport run_with_jump(const std::string& jump, std::vector<std::string> settings) {
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml");
     settings.insert(settings.end(), {jump, "run.until=8 ms", "run.schedule=serial"});
-    set_values(scene, settings);
-    return run_scene(scene, {});
+    return run_scene(claims::ready_scene("baseline", settings), {});
 }
 
 const std::string reversal = "load.torque=[[0,\"150 N*m\"],[\"5.0004 ms\",\"150 N*m\"],[\"5.0014 ms\",\"-150 N*m\"]]";
@@ -137,10 +132,8 @@ TEST(Reliability, OfLossesThatAreOffAfterAJumpIsNone) {
 
 /// RK4 at 50 ns was the published reference; its joints chatter. At its automatic step the balance closes to 1e-5.
 TEST(Reliability, OfThePublishedStepIsNone) {
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml");
-    set_values(scene, std::vector<std::string>{"run.method=rk4", "run.step=54 ns",
-                                               std::string(cvtflow::test::is_deep() ? "run.until=3 ms" : "run.until=1 ms"),
-                                               "run.schedule=serial"});
+    Scene scene = claims::ready_scene("baseline", {"run.method=rk4", "run.step=54 ns", "run.schedule=serial",
+                                                   cvtflow::test::is_deep() ? "run.until=3 ms" : "run.until=1 ms"});
     EXPECT_EQ(run_scene(scene, {}).status(), "unreliable");
     set_values(scene, std::vector<std::string>{"run.step=auto", "run.until=1 ms"});
     const RunReport report = run_scene(scene, {});

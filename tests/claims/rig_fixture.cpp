@@ -37,14 +37,6 @@ void soften(model::Parameters& p) {
     p.joint.clearance = 1e-3;  // the opening's spring begins beyond reach
 }
 
-/// Every coordinate of the chain gets a different speed.
-void jolt(const model::ChainLayout& at, std::vector<double>& state) {
-    for (int link = 0; link < at.links; ++link) {
-        for (int k = 0; k < at.link_size(); ++k)
-            state[static_cast<std::size_t>(at.link_begin(link) + at.link_size() + k)] += 0.02 * std::sin(1.0 + link + 3.0 * k);
-    }
-}
-
 }  // namespace
 
 Rig::Rig(const model::Parameters& parameters, const std::vector<double>& state, const std::vector<model::Phase>& phases, int segments,
@@ -92,16 +84,27 @@ void make_conservative(model::Parameters& p) {
     for (model::Friction* friction : {&p.plate.friction, &p.joint.friction, &p.tip.friction}) friction->coefficient = 0.0;
 }
 
-Smooth disturbed_ring() {
+model::Parameters free_ring(int pins, double speed) {
     model::Parameters p;
     p.detail.pulleys = model::PulleyDetail::absent;
     p.start.layout = model::StartLayout::ring;
-    p.chain.pins = 24;
-    p.start.ring_speed = 600.0;
+    p.start.ring_speed = speed;
+    p.chain.pins = pins;
+    return p;
+}
+
+void jolt(const model::ChainLayout& at, double* state) {
+    for (int link = 0; link < at.links; ++link) {
+        for (int k = 0; k < at.link_size(); ++k) state[at.link_begin(link) + at.link_size() + k] += 0.02 * std::sin(1.0 + link + 3.0 * k);
+    }
+}
+
+Smooth disturbed_ring() {
+    model::Parameters p = free_ring(24, 600.0);
     soften(p);
     Rig rig(p);
     Smooth scene{p, rig.state_copy(), rig.phases()};
-    jolt(rig.variator().layout(), scene.state);
+    jolt(rig.variator().layout(), scene.state.data());
     return scene;
 }
 
@@ -121,7 +124,7 @@ Smooth clamped_ring() {
     EXPECT_FALSE(rig.run({-1e-3, 0.0, 5e-8, 1e-3}));
     Smooth scene{p, rig.state_copy(), rig.phases()};
     for (const model::Phase phase : scene.phases) EXPECT_EQ(phase, model::Phase::touching);
-    jolt(rig.variator().layout(), scene.state);
+    jolt(rig.variator().layout(), scene.state.data());
     return scene;
 }
 

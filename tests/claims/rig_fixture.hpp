@@ -50,6 +50,11 @@ private:
 /// No friction, no damping.
 void make_conservative(model::Parameters& parameters);
 
+/// A ring without pulleys that turns. speed [rad/s]
+[[nodiscard]] model::Parameters free_ring(int pins, double speed = model::Start{}.ring_speed);
+/// Gives every coordinate of the chain a different speed.
+void jolt(const model::ChainLayout& at, double* state);
+
 // Motions on which methods show their order.
 
 /// A scene whose right-hand side is smooth along its motion: friction everywhere below saturation, so linear in speed; all else in contact.

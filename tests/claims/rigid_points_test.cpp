@@ -11,30 +11,22 @@
 #include <iterator>
 #include <map>
 
-#include "tasks/scene/csv.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
+#include "tests/csv_fixture.hpp"
 #include "tests/sample_fixture.hpp"
 
 namespace cvtflow::claims {
 namespace {
 
-using Row = std::map<std::string, std::string>;
-
 /// Rows of one level, by number of the point.
-std::vector<Row> published(const std::string& level) {
-    std::ifstream file(std::string(CVTFLOW_SOURCE_DIR) + "/bench/results/rigid_points.csv");
-    const auto lines = tasks::csv_lines(std::string((std::istreambuf_iterator<char>(file)), {}));
-    std::vector<Row> rows;
-    for (std::size_t k = 1; k < lines.size(); ++k) {
-        Row row;
-        for (std::size_t column = 0; column < lines[k].size(); ++column) row[lines[0][column]] = lines[k][column];
-        if (row["level"] == level) rows.push_back(row);
-    }
+std::vector<test::CsvRow> published(const std::string& level) {
+    std::vector<test::CsvRow> rows = test::committed_rows("bench/results/rigid_points.csv");
+    std::erase_if(rows, [&](const test::CsvRow& row) { return row.at("level") != level; });
     return rows;
 }
 
 /// Means of the last 40 ms, as bench/experiments/rigid_points takes them.
-std::map<std::string, double> run_rigid(const Row& point) {
+std::map<std::string, double> run_rigid(const test::CsvRow& point) {
     std::vector<std::string> settings{"start.settling_time=60 ms", "run.until=80 ms", "run.output_interval=20 us",
                                       "drive.speed=" + point.at("drive.speed") + " rpm"};
     for (const char* key : {"start.ratio", "control.ratio", "clamping.driven", "clamping.driving", "load.torque"})
@@ -48,7 +40,7 @@ std::map<std::string, double> run_rigid(const Row& point) {
 
 /// Both directions of torque, small and large loads.
 TEST(RigidPoints, AreWhatIsPublishedAndNearFine) {
-    const std::vector<Row> rigid = published("rigid"), fine = published("fine");
+    const auto rigid = published("rigid"), fine = published("fine");
     ASSERT_EQ(rigid.size(), 24u);
     ASSERT_EQ(fine.size(), 24u);
     const std::map<std::string, double> targets{{"tight", 0.05}, {"slack", 0.05}, {"thrust_ratio", 0.05}, {"slip", 0.15}};

@@ -17,6 +17,7 @@
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/method.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::claims {
 namespace {
@@ -35,12 +36,10 @@ struct Extent {
 class Running {
 public:
     explicit Running(const tasks::Scene& scene) : parameters_(scene.parameters), simulation_(scene) {
-        tasks::SilentObserver quiet;
-        const engine::Cancellation never;
         if (simulation_.needs_settling()) {
-            EXPECT_FALSE(simulation_.advance({.until = 0.0}, quiet, never));
+            EXPECT_FALSE(go(simulation_, {.until = 0.0}));
         }
-        EXPECT_FALSE(simulation_.advance({.until = simulation_.time() + 1e-5, .new_part = true}, quiet, never));
+        EXPECT_FALSE(go(simulation_, {.until = simulation_.time() + 1e-5, .new_part = true}));
         state_.assign(simulation_.workspace().state(), simulation_.workspace().state() + simulation_.workspace().layout().size());
     }
     [[nodiscard]] model::Parameters parameters() const { return parameters_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string>
 
 #include "tests/oracle/oracle_cases.hpp"
 
@@ -34,6 +35,12 @@ Sum sum_over_chain(const model::ChainLayout& layout, const std::vector<Real>& st
     return sum;
 }
 
+double rounding(const Sum& sum) { return 1e-15 * static_cast<double>(sum.magnitude); }
+
+void expect_no_force(const Sum& sum) {
+    for (const Real component : {sum.force.x, sum.force.y, sum.force.z}) EXPECT_NEAR(static_cast<double>(component), 0.0, rounding(sum));
+}
+
 /// Halves; and rigid pins without pulleys, as their tips have no phases.
 std::vector<Case> chains_by_themselves() {
     std::vector<Case> cases = all_details(small_scene());
@@ -52,11 +59,8 @@ TEST(ChainBalance, InternalForcesOfTheChainSumToZeroForceAndMoment) {
         const auto result = exact_right_hand_side(one.parameters, 0.0, at.state, at.phases, false);
         const Sum sum = sum_over_chain(layout, at.state, result.forces);
         ASSERT_GT(sum.magnitude, 1e3L);
-        const double tolerance = 1e-15 * static_cast<double>(sum.magnitude);  // rounding only
-        EXPECT_NEAR(static_cast<double>(sum.force.x), 0.0, tolerance);
-        EXPECT_NEAR(static_cast<double>(sum.force.y), 0.0, tolerance);
-        EXPECT_NEAR(static_cast<double>(sum.force.z), 0.0, tolerance);
-        EXPECT_NEAR(static_cast<double>(sum.moment), 0.0, tolerance);
+        expect_no_force(sum);
+        EXPECT_NEAR(static_cast<double>(sum.moment), 0.0, rounding(sum));
     }
 }
 
@@ -82,10 +86,7 @@ TEST(ChainBalance, ChainAndPulleysTogetherAreOnlyPushedByBearingsDriveAndLoad) {
             sum.moment += cross(place, in_plane(force)) + f[k(5)];
             sum.magnitude += norm(force);
         }
-        const double tolerance = 1e-15 * static_cast<double>(sum.magnitude);
-        EXPECT_NEAR(static_cast<double>(sum.force.x), 0.0, tolerance);
-        EXPECT_NEAR(static_cast<double>(sum.force.y), 0.0, tolerance);
-        EXPECT_NEAR(static_cast<double>(sum.force.z), 0.0, tolerance);
+        expect_no_force(sum);
         // About z only to first order of the tilts (1e-6): the normal force has no moment about the tilted axis, not about z; nor do
         // radial attachments balance at second order of the displacements.
         const Real drive = result.powers.works[0] / at.state[layout.pulley_begin() + 36 + model::body_freedom(0, 5)];
@@ -134,70 +135,60 @@ void expect_balance(const model::Parameters& parameters, double t, std::uint64_t
     EXPECT_NEAR(static_cast<double>(power), static_cast<double>(put_in - lost - stored), 1e-4 + 1e-9 * static_cast<double>(lost));
 }
 
-TEST(PowerBalance, EnergyChangesByWorksMinusLossesAndEveryLossIsPositive) {
-    model::Parameters base = small_scene();
-    base.control.enabled = true;
-    std::uint64_t seed = 100;
-    for (const Case& one : all_details(base)) {
-        SCOPED_TRACE(one.name);
-        expect_balance(one.parameters, 0.0, seed++);
-    }
-}
+/// A machine at an instant [s].
+struct Instant {
+    std::string name;
+    model::Parameters parameters;
+    double t = 0.0;
+};
 
-TEST(PowerBalance, HoldsForRigidPins) {
-    std::uint64_t seed = 400;
+/// Both chains at every detail, also with damping so heavy that contacts let go, and with mass scaling.
+void add_details(std::vector<Instant>& all) {
     for (const double damping : {0.02, 50.0}) {
         model::Parameters base = small_scene();
         base.control.enabled = true;
         base.chain.damping_ratio = damping;
-        for (const Case& one : rigid_details(base)) {
-            SCOPED_TRACE(one.name);
-            expect_balance(one.parameters, 0.0, seed++);
-        }
+        for (const auto& cases : {all_details(base), rigid_details(base)})
+            for (const Case& one : cases) all.push_back({one.name + ", damping " + std::to_string(damping), one.parameters});
     }
+    for (const Case& one : slowed_pins(small_scene())) all.push_back({one.name, one.parameters});
 }
 
-TEST(PowerBalance, HoldsWithMassScaling) {
-    std::uint64_t seed = 200;
-    for (const Case& one : slowed_pins(small_scene())) {
-        SCOPED_TRACE(one.name);
-        expect_balance(one.parameters, 0.0, seed++);
-    }
-}
-
-TEST(PowerBalance, HoldsWithDampingSoHeavyThatContactsLetGo) {
-    model::Parameters base = small_scene();
-    base.chain.damping_ratio = 50.0;
-    std::uint64_t seed = 300;
-    for (const Case& one : all_details(base)) {
-        SCOPED_TRACE(one.name);
-        expect_balance(one.parameters, 0.0, seed++);
-    }
-}
-
-TEST(PowerBalance, HoldsForEveryFrictionLawPhaseAndInput) {
+/// Every friction law, phase and input, while the ramp rises, before and after t = 0.
+void add_laws_and_inputs(std::vector<Instant>& all) {
     for (const auto law : {model::FrictionLaw::piecewise, model::FrictionLaw::smoothed}) {
         for (const bool stick_slip : {false, true}) {
             for (const auto mode : {model::DriveMode::speed, model::DriveMode::torque}) {
                 for (const double t : {-0.018, -0.001, 0.003}) {
-                    model::Parameters parameters = small_scene();
-                    parameters.detail.friction = law;
-                    parameters.detail.stick_slip = stick_slip;
-                    parameters.drive.mode = mode;
-                    parameters.drive.torque = model::TimeTable({0.0, 0.01}, {100.0, 200.0});
-                    parameters.load.torque = model::TimeTable({0.0, 0.01}, {100.0, 200.0});
-                    expect_balance(parameters, t, 77);
+                    model::Parameters p = small_scene();
+                    p.detail.friction = law;
+                    p.detail.stick_slip = stick_slip;
+                    p.drive.mode = mode;
+                    p.drive.torque = p.load.torque = model::TimeTable({0.0, 0.01}, {100.0, 200.0});
+                    all.push_back({"law " + std::to_string(static_cast<int>(law)) + " at " + std::to_string(t), p, t});
                 }
             }
         }
     }
 }
 
-TEST(PowerBalance, HoldsForTheBaselineChain) {
+TEST(PowerBalance, EnergyChangesByWorksMinusLossesAndEveryLossIsPositive) {
+    std::vector<Instant> all;
+    add_details(all);
+    add_laws_and_inputs(all);
     for (const double ratio : {0.6, 1.0, 1.7}) {
-        model::Parameters parameters;
-        parameters.start.ratio = ratio;
-        expect_balance(parameters, 0.0, 9);
+        all.push_back({"baseline at ratio " + std::to_string(ratio), {}});
+        all.back().parameters.start.ratio = ratio;
+    }
+    for (const bool rigid : {false, true}) {
+        model::Parameters p = rigid ? with_rigid_pins({}) : model::Parameters{};
+        p.guide = {.stiffness = 5e7, .damping = 0.2, .clearance = 0.0, .friction = 0.3, .begin = 0.1, .end = 0.7};
+        all.push_back({rigid ? "guides of rigid pins" : "guides", p});
+    }
+    std::uint64_t seed = 100;
+    for (const Instant& one : all) {
+        SCOPED_TRACE(one.name);
+        expect_balance(one.parameters, one.t, seed++);
     }
 }
 

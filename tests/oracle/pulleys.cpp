@@ -1,6 +1,5 @@
 /// Shafts, sheaves and inputs, guides of the strands, cylinders, valves and pump (EQUATIONS.md, section 8).
 
-#include "tests/oracle/belt_path.hpp"
 #include "tests/oracle/system.hpp"
 
 #include <algorithm>
@@ -286,33 +285,30 @@ void add_inputs(const System& system, Totals& totals) {
 
 namespace {
 
-/// The path whose length is that of the chain.
-BeltPath path_of(const model::Parameters& p) {
-    Real length = 0.0L;
-    for (int link = 0; link < p.chain.pins; ++link) length += p.chain.pitch[static_cast<std::size_t>(link) % p.chain.pitch.size()];
-    const auto path = [&](Real radius) { return BeltPath::around_pulleys(radius, p.start.ratio, p.pulley.centre_distance); };
-    Real low = 0.0L, high = p.pulley.centre_distance / (1.0L + p.start.ratio);
-    for (int halving = 0; halving < 200; ++halving) {
-        const Real middle = (low + high) / 2.0L;
-        (path(middle).length() < length ? low : high) = middle;
-    }
-    return path(low);
-}
-
 /// Both rails of one strand.
 struct Guide {
     Vec2 from, along, outward;  ///< beside where the strand leaves the driving pulley; unit vectors
     Real length;                ///< [m]
 };
 
+/// Guides of the belt that is as long as the chain. The outward normal of the lower strand is (cos γ, -sin γ) with a cos γ = r_1 - r_2.
 std::array<Guide, 2> guides_of(const model::Parameters& p) {
-    const BeltPath path = path_of(p);  // begins with the lower strand
-    const BeltPath::Place start = path.at(0.0L);
-    const Real little = path.length() / 1000.0L, length = little / path.at(little).fraction;
+    const Real distance = p.pulley.centre_distance, ratio = p.start.ratio, turn = 2.0L * std::numbers::pi_v<Real>;
+    const auto angle = [&](Real radius) { return std::acos((1.0L - ratio) * radius / distance); };
+    const auto length = [&](Real radius) {
+        const Real wrap = 2.0L * angle(radius);
+        return 2.0L * distance * std::sin(angle(radius)) + wrap * ratio * radius + (turn - wrap) * radius;
+    };
+    Real low = 0.0L, high = distance / (1.0L + ratio), chain = 0.0L;
+    for (int link = 0; link < p.chain.pins; ++link) chain += p.chain.pitch[static_cast<std::size_t>(link) % p.chain.pitch.size()];
+    for (int halving = 0; halving < 200; ++halving) {
+        const Real middle = (low + high) / 2.0L;
+        (length(middle) < chain ? low : high) = middle;
+    }
+    const Vec2 outward{std::cos(angle(low)), -std::sin(angle(low))}, along = left_of(outward), from = (low + p.guide.offset) * outward;
     const auto mirrored = [](Vec2 v) { return Vec2{v.x, -v.y}; };
-    const Vec2 outward = -left_of(start.tangent);
-    const Vec2 middle = start.point + Real{p.guide.offset} * outward;
-    return {Guide{middle, start.tangent, outward, length}, {mirrored(middle), mirrored(start.tangent), mirrored(outward), length}};
+    const Real strand = distance * std::sin(angle(low));
+    return {Guide{from, along, outward, strand}, {mirrored(from), mirrored(along), mirrored(outward), strand}};
 }
 
 /// Force on a part of a pin at one guide; books energy and loss.

@@ -4,67 +4,76 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <string>
 
 namespace cvtflow::oracle {
 namespace {
 
-struct JointCounts {
-    int pressed = 0;  ///< joints with a positive depth at the middle
-    int apart = 0;
-    int beyond = 0;  ///< joints opened beyond the clearance
-};
+/// How often each state of a contact or a link occurs.
+using Counts = std::map<std::string, int>;
 
-JointCounts count_joints(const System& system) {
-    const auto& joint = system.parameters.joint;
-    const Real arm = joint.radius - system.parameters.half.width / 2.0L;
-    JointCounts counts;
+void expect_at_least(const Counts& least, Counts found, double ratio) {
+    for (const auto& [what, count] : least) EXPECT_GT(found[what], count) << what << " at ratio " << ratio;
+}
+
+Counts counts_of_halves(const model::Parameters& parameters) {
+    const ExactState at = exact_random_state(parameters, 21);
+    const System system = unpack(parameters, 0.0, at.state, at.phases);
+    const auto& joint = parameters.joint;
+    const Real arm = joint.radius - parameters.half.width / 2.0L;
+    Counts counts;
     for (int pin = 0; pin < system.layout.links; ++pin) {
-        const Link& before = system.links[system.layout.previous(pin)];
-        const Link& after = system.links[pin];
+        const Link &before = system.links[system.layout.previous(pin)], &after = system.links[pin];
         const Vec2 delta = before.front.at(0.0L) + arm * before.t - after.rear.at(0.0L) + arm * after.t;
         const Real depth = 2.0L * joint.radius - norm(delta);
         EXPECT_LT(depth, 2e-5L);
-        ++(depth > 0.0L ? counts.pressed : counts.apart);
-        if (std::abs(cross(unit(before.t + after.t), delta)) > joint.clearance) ++counts.beyond;
+        counts["pressed"] += depth > 0.0L;
+        counts["open"] += std::abs(cross(unit(before.t + after.t), delta)) > joint.clearance;
+        counts["stretched"] += after.length > after.rest_length;
+        for (const auto end : {model::End::rear, model::End::front}) {
+            for (const int side : {0, 1}) {
+                const TipContact contact = tip_contact(system, after, end, side);
+                EXPECT_LT(contact.depth, 16e-6L);
+                counts["deep " + std::to_string(contact.shaft) + std::to_string(side)] += contact.depth > 4e-6L;
+            }
+        }
     }
     return counts;
 }
 
-TEST(RandomState, PressesJointsStretchesPlatesAndOpensSomeJoints) {
-    for (const auto pulleys : {model::PulleyDetail::elastic, model::PulleyDetail::absent}) {
-        model::Parameters parameters;
-        parameters.detail.pulleys = pulleys;
-        const ExactState at = exact_random_state(parameters, 12);
-        const System system = unpack(parameters, 0.0, at.state, at.phases);
-        const JointCounts counts = count_joints(system);
-        EXPECT_GT(counts.pressed, 60);
-        EXPECT_GT(counts.beyond, 8);
-        EXPECT_LT(counts.beyond, 40);
-        int stretched = 0;
-        for (const Link& link : system.links) stretched += link.length > link.rest_length ? 1 : 0;
-        EXPECT_GT(stretched, 75);
-    }
-}
-
-TEST(RandomState, HoldsTipsInBothPulleysSomeMicrometresDeep) {
-    for (const double ratio : {0.6, 1.0, 1.7}) {
-        model::Parameters parameters;
-        parameters.start.ratio = ratio;
-        const ExactState at = exact_random_state(parameters, 21);
-        const System system = unpack(parameters, 0.0, at.state, at.phases);
-        int deep[2][2] = {};
-        for (const Link& link : system.links) {
-            for (const auto end : {model::End::rear, model::End::front}) {
-                for (const int side : {0, 1}) {
-                    const TipContact contact = tip_contact(system, link, end, side);
-                    EXPECT_LT(contact.depth, 16e-6L);
-                    if (contact.depth > 4e-6L) ++deep[contact.shaft][side];
-                }
+Counts counts_of_rigid_pins(const model::Parameters& parameters) {
+    const ExactState at = exact_random_state(parameters, 23);
+    const System system = unpack(parameters, 0.0, at.state, at.phases);
+    const PinChain chain(system);
+    Counts counts;
+    for (int pin = 0; pin < system.layout.links; ++pin) {
+        for (const auto end : {model::End::rear, model::End::front}) {
+            for (const int side : {0, 1}) {
+                const Real depth = chain.tip(chain.half(pin, end), side).depth;
+                EXPECT_LT(depth, 3e-5L);
+                counts["pressed"] += depth > 0.0L;
+                counts["free"] += depth <= 0.0L && depth > -1e-5L;
             }
         }
-        for (const auto& of_shaft : deep) {
-            for (const int count : of_shaft) EXPECT_GT(count, 9) << "ratio " << ratio;
-        }
+        const bool slow = std::abs(chain.pin(pin).slide_rate) < parameters.joint.friction.saturation_speed;
+        ++counts[slow ? "slow" : "fast"];
+        const Vec2 across = chain.half(pin + 1, model::End::front).at - chain.half(pin, model::End::rear).at;
+        ++counts[norm(across) > parameters.chain.pitch[0] + Real{parameters.half.width} ? "pulling" : "pushing"];
+    }
+    return counts;
+}
+
+TEST(RandomState, HasContactsAndLinksInEveryState) {
+    for (const double ratio : {0.6, 1.0, 1.7}) {
+        model::Parameters p;
+        p.start.ratio = ratio;
+        const Counts halves = counts_of_halves(p);
+        expect_at_least({{"pressed", 60}, {"open", 8}, {"stretched", 75}, {"deep 00", 9}, {"deep 01", 9}, {"deep 10", 9}, {"deep 11", 9}},
+                        halves, ratio);
+        EXPECT_LT(halves.at("open"), 40);
+        expect_at_least({{"pressed", 40}, {"free", 8}, {"slow", 5}, {"fast", 20}, {"pulling", 40}, {"pushing", 3}},
+                        counts_of_rigid_pins(with_rigid_pins(p)), ratio);
     }
 }
 
@@ -78,49 +87,6 @@ TEST(RandomState, UsesEveryPhaseAndIsTheSameForTheSameSeed) {
     EXPECT_NE(first.state, random_state(parameters, 9).state);
     for (const auto phase : {model::Phase::free, model::Phase::touching, model::Phase::stick, model::Phase::slip}) {
         EXPECT_GT(std::count(first.phases.begin(), first.phases.end(), phase), 3);
-    }
-}
-
-struct RigidCounts {
-    int pressed = 0, free = 0;     ///< tips inside the arcs, by their depth
-    int slow = 0, fast = 0;        ///< half slides and tips, against the saturation speed
-    int pulling = 0, pushing = 0;  ///< links
-};
-
-RigidCounts count_rigid(const model::Parameters& parameters, std::uint64_t seed) {
-    const ExactState at = exact_random_state(parameters, seed);
-    const System system = unpack(parameters, 0.0, at.state, at.phases);
-    const PinChain chain(system);
-    RigidCounts counts;
-    for (int pin = 0; pin < system.layout.links; ++pin) {
-        for (const auto end : {model::End::rear, model::End::front}) {
-            for (const int side : {0, 1}) {
-                const Real depth = chain.tip(chain.half(pin, end), side).depth;
-                EXPECT_LT(depth, 3e-5L);
-                if (depth > 0.0L) ++counts.pressed;
-                if (depth <= 0.0L && depth > -1e-5L) ++counts.free;
-            }
-        }
-        const bool slow = std::abs(chain.pin(pin).slide_rate) < parameters.joint.friction.saturation_speed;
-        ++(slow ? counts.slow : counts.fast);
-        const Vec2 across = chain.half(pin + 1, model::End::front).at - chain.half(pin, model::End::rear).at;
-        const Real rest = parameters.chain.pitch[0] + Real{parameters.half.width};
-        ++(norm(across) > rest ? counts.pulling : counts.pushing);
-    }
-    return counts;
-}
-
-TEST(RandomState, OfRigidPinsHasTipsInAndOutOfContactAndLinksThatPullAndPush) {
-    for (const double ratio : {0.6, 1.0, 1.7}) {
-        model::Parameters parameters = with_rigid_pins({});
-        parameters.start.ratio = ratio;
-        const RigidCounts counts = count_rigid(parameters, 23);
-        EXPECT_GT(counts.pressed, 40) << "ratio " << ratio;
-        EXPECT_GT(counts.free, 8) << "ratio " << ratio;
-        EXPECT_GT(counts.slow, 5) << "ratio " << ratio;
-        EXPECT_GT(counts.fast, 20) << "ratio " << ratio;
-        EXPECT_GT(counts.pulling, 40) << "ratio " << ratio;
-        EXPECT_GT(counts.pushing, 3) << "ratio " << ratio;
     }
 }
 

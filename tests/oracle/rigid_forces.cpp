@@ -235,12 +235,6 @@ Vec3 sphere_rate(const PinChain& chain, const PinHalf& half, const TipContact& c
     return end_rate(chain, half, c.s) + Real{tip.radius} * swing + line.turning * c.centre_turning;
 }
 
-/// O' of the flank's origin [m/s].
-Vec3 origin_rate(const System& system, const TipContact& c) {
-    const Body& sheave = system.body[c.sheave];
-    return in_space(sheave.u_rate, sheave.w_rate) + flank_rate(system, c.shaft, c.side);
-}
-
 /// y > 0 with y² (1 + b y) = δ: Newton's method falls from above until it no longer changes y.
 Real root_of_depth(Real depth, Real softness) {
     Real y = std::sqrt(depth);
@@ -285,26 +279,18 @@ void push_normal(PinForces& forces, const PinTip& tip, Real force) {
     on.end += c.s * plane + forces.chain.numbers.end_slope * on_slope;
     on.bend += plane + (c.s * forces.chain.numbers.bend_factor * forces.chain.numbers.end_slope) * on_slope;
     forces.moment[tip.half.line] += force * dot(c.normal, c.centre_turning);
-    const Vec3 lever = cross(c.r, c.local_normal), on_sheave = -force * c.normal;
-    BodyForce& sheave = forces.totals.body[c.sheave];
-    sheave.force += on_sheave;
-    sheave.moment += -force * Vec3{lever.x, lever.y, 0.0L};
-    sheave.moment.z += cross(flank_offset(forces.chain.system, c.shaft, c.side), on_sheave).z;
+    press_sheave(forces.chain.system, c, force, forces.totals);
 }
 
 void push_friction(PinForces& forces, const PinTip& tip, Vec3 f) {
     const TipContact& c = tip.contact;
-    const Real radius = forces.chain.system.parameters.tip.radius;
-    const Vec3 point = c.centre - radius * c.normal;
+    const Vec3 point = c.centre - Real{forces.chain.system.parameters.tip.radius} * c.normal;
     RigidPinForce& on = forces.totals.pin[tip.half.pin];
     forces.push(tip.half, in_plane(f), f.z);
     on.end += c.s * in_plane(f);
     on.bend += in_plane(f);
     forces.moment[tip.half.line] += cross(point - c.end, f).z;
-    BodyForce& sheave = forces.totals.body[c.sheave];
-    sheave.force += -f;
-    sheave.moment += -cross(c.r - radius * c.normal, f);
-    sheave.moment.z -= cross(flank_offset(forces.chain.system, c.shaft, c.side), f).z;
+    rub_sheave(forces.chain.system, c, f, forces.totals);
 }
 
 }  // namespace
@@ -335,9 +321,8 @@ void add_pin_tip(PinForces& forces, const PinTip& tip) {
     const auto& p = system.parameters;
     const TipContact& c = tip.contact;
     const Body& sheave = system.body[c.sheave];
-    const Real y = tip.root, elastic = p.tip.hertz * y * y * y, anchor = std::sqrt(Real{p.tip.reference_depth});
-    const Real chi = damping_of(p.chain.damping_ratio, 1.5L * p.tip.hertz * anchor, p.half.mass) / (p.tip.hertz * anchor * anchor * anchor);
-    const Real normal = std::max(0.0L, elastic * (1.0L + chi * tip.depth_rate));
+    const Real y = tip.root, elastic = p.tip.hertz * y * y * y;
+    const Real normal = std::max(0.0L, elastic * (1.0L + tip_damping(p) * tip.depth_rate));
 
     const Vec3 point = c.centre - Real{p.tip.radius} * c.normal, arm = c.r - Real{p.tip.radius} * c.normal;
     const Vec3 spin = in_space(sheave.tau_rate, sheave.phi_rate), yielding = (c.s * tip.shortening * tip.depth_rate) * upward;

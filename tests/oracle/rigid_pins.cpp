@@ -92,7 +92,6 @@ TipContact PinChain::tip(const PinHalf& half, int side) const {
     c.side = side;
     c.sheave = model::sheave_body(c.shaft, side);
     c.s = side == 0 ? -1.0L : 1.0L;
-    const Body& sheave = system.body[c.sheave];
 
     const Vec2 slope = end_slope(half.pin, c.s);
     c.end = in_space(half.at + c.s * of.end + of.bend, half.z + c.s * (width / 2.0L + system.longer_half(half.pin)));
@@ -100,10 +99,8 @@ TipContact PinChain::tip(const PinHalf& half, int side) const {
     c.centre = c.end + Real{tip.radius} * (sine * height - c.s * cosine * axis);
     c.centre_turning = (tip.radius * sine) * in_space(turns.t, -dot(slope, turns.t));
 
-    const Vec2 shaft_axis{c.shaft == 0 ? 0.0L : Real{pulley.centre_distance}, 0.0L};
-    const Vec3 origin = in_space(shaft_axis + sheave.u, c.s * width / 2.0L + sheave.w) + flank_offset(system, c.shaft, side);
-    const Vec3 tilt = in_space(sheave.tau, 0.0L);
-    c.r = c.centre - origin;
+    const Vec3 tilt = in_space(system.body[c.sheave].tau, 0.0L);
+    c.r = c.centre - flank_origin(system, c.shaft, side);
     const Vec3 l = c.r - cross(tilt, c.r);
     const Vec2 radial = unit(in_plane(l));
     const Real both = Real{pulley.arc_radius} + tip.radius;

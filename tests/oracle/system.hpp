@@ -180,6 +180,14 @@ struct TipContact {
     Vec3 normal;              ///< G
     Real depth;               ///< δ [m]
 };
+/// Origin of a sheave's flank [m], and its velocity [m/s].
+Vec3 flank_origin(const System& system, int shaft, int side);
+Vec3 origin_rate(const System& system, const TipContact& contact);
+/// χ of a tip's normal force [s/m].
+Real tip_damping(const model::Parameters& parameters);
+/// Reactions on a sheave: of a normal force along the gradient of the depth, and of friction f [N].
+void press_sheave(const System& system, const TipContact& contact, Real force, Totals& totals);
+void rub_sheave(const System& system, const TipContact& contact, Vec3 f, Totals& totals);
 TipContact tip_contact(const System& system, const Link& link, model::End end, int side);
 /// Velocity of a tip against its sheave at the contact point: v and v_t [m/s].
 struct TipSliding {

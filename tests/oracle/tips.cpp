@@ -20,8 +20,6 @@ namespace {
 
 constexpr Vec3 k_axis{0.0L, 0.0L, 1.0L};
 
-Vec3 tilt_of(const Body& sheave) { return in_space(sheave.tau, 0.0L); }
-
 }  // namespace
 
 Vec3 flank_offset(const System& system, int shaft, int side) {
@@ -32,6 +30,41 @@ Vec3 flank_offset(const System& system, int shaft, int side) {
 }
 Vec3 flank_rate(const System& system, int shaft, int side) {
     return system.body[model::sheave_body(shaft, side)].phi_rate * cross(k_axis, flank_offset(system, shaft, side));
+}
+
+Vec3 flank_origin(const System& system, int shaft, int side) {
+    const Body& sheave = system.body[model::sheave_body(shaft, side)];
+    const Real s = side == 0 ? -1.0L : 1.0L, x = shaft == 0 ? 0.0L : Real{system.parameters.pulley.centre_distance};
+    return in_space(Vec2{x, 0.0L} + sheave.u, s * system.parameters.half.length / 2.0L + sheave.w) + flank_offset(system, shaft, side);
+}
+Vec3 origin_rate(const System& system, const TipContact& c) {
+    const Body& sheave = system.body[c.sheave];
+    return in_space(sheave.u_rate, sheave.w_rate) + flank_rate(system, c.shaft, c.side);
+}
+
+Real tip_damping(const model::Parameters& p) {
+    const Real anchor = std::sqrt(Real{p.tip.reference_depth}), cubed = anchor * anchor * anchor;
+    return damping_of(p.chain.damping_ratio, 1.5L * p.tip.hertz * anchor, p.half.mass) / (p.tip.hertz * cubed);
+}
+
+namespace {
+
+/// A force at the flank's origin, whose offset turns with the sheave.
+void push_sheave(const System& system, const TipContact& c, Vec3 force, Vec3 moment, Totals& totals) {
+    BodyForce& sheave = totals.body[c.sheave];
+    sheave.force += force;
+    sheave.moment += moment;
+    sheave.moment.z += cross(flank_offset(system, c.shaft, c.side), force).z;
+}
+
+}  // namespace
+
+void press_sheave(const System& system, const TipContact& c, Real force, Totals& totals) {
+    const Vec3 lever = cross(c.r, c.local_normal);
+    push_sheave(system, c, -force * c.normal, -force * Vec3{lever.x, lever.y, 0.0L}, totals);
+}
+void rub_sheave(const System& system, const TipContact& c, Vec3 f, Totals& totals) {
+    push_sheave(system, c, -f, -cross(c.r - Real{system.parameters.tip.radius} * c.normal, f), totals);
 }
 
 TipContact tip_contact(const System& system, const Link& link, End end, int side) {
@@ -45,7 +78,6 @@ TipContact tip_contact(const System& system, const Link& link, End end, int side
     c.side = side;
     c.sheave = model::sheave_body(c.shaft, side);
     c.s = side == 0 ? -1.0L : 1.0L;
-    const Body& sheave = system.body[c.sheave];
 
     const Vec2 slope = half.slope_at(c.s);
     c.end = in_space(half.at(c.s), half.z + c.s * (half.length / 2.0L + half.e));
@@ -54,10 +86,8 @@ TipContact tip_contact(const System& system, const Link& link, End end, int side
     c.centre = c.end + Real{tip.radius} * (sine * height - c.s * cosine * axis);
     c.centre_turning = (tip.radius * sine) * (in_space(link.t, 0.0L) - dot(slope, link.t) * k_axis);
 
-    const Vec2 shaft_axis{c.shaft == 0 ? 0.0L : Real{pulley.centre_distance}, 0.0L};
-    const Vec3 origin = in_space(shaft_axis + sheave.u, c.s * half.length / 2.0L + sheave.w) + flank_offset(system, c.shaft, side);
-    c.r = c.centre - origin;
-    const Vec3 tilt = tilt_of(sheave);
+    c.r = c.centre - flank_origin(system, c.shaft, side);
+    const Vec3 tilt = in_space(system.body[c.sheave].tau, 0.0L);
     const Vec3 l = c.r - cross(tilt, c.r);
     const Real radius = norm(in_plane(l));
     const Vec2 h{radius - (pulley.arc_position - pulley.arc_radius * sine), l.z - c.s * pulley.arc_radius * cosine};
@@ -76,8 +106,7 @@ TipSliding tip_sliding(const System& system, const Link& link, End end, const Ti
     const Vec3 end_rate = in_space(half.rate_at(c.s), half.z_rate + c.s * half.e_rate);
     const Vec3 of_half = end_rate + link.turning * cross(k_axis, point - c.end);
     const Vec3 spin = in_space(sheave.tau_rate, sheave.phi_rate);
-    const Vec3 of_origin = in_space(sheave.u_rate, sheave.w_rate) + flank_rate(system, c.shaft, c.side);
-    const Vec3 of_sheave = of_origin + cross(spin, c.r - radius * c.normal);
+    const Vec3 of_sheave = origin_rate(system, c) + cross(spin, c.r - radius * c.normal);
     const Vec3 v = of_half - of_sheave;
     return {v, v - dot(v, c.normal) * c.normal};
 }
@@ -100,14 +129,6 @@ struct TipTarget {
     const Half& half;
     LinkForce& on_link;
     HalfForce& on_half;
-    BodyForce& on_sheave;
-    Vec3 offset;  ///< offset of the flank [m]
-
-    /// A force at the flank's origin, whose offset turns with the sheave.
-    void push_sheave(Vec3 force) const {
-        on_sheave.force += force;
-        on_sheave.moment.z += cross(offset, force).z;
-    }
 };
 
 /// The normal force N along the gradient of the depth.
@@ -124,19 +145,14 @@ void push_normal(const System& system, const TipTarget& target, const TipContact
     target.on_half.z += force * c.normal.z;
     target.on_half.e += c.s * force * c.normal.z;
     target.on_link.turn(target.link, force * dot(c.normal, c.centre_turning));
-    target.push_sheave(-force * c.normal);
-    const Vec3 lever = cross(c.r, c.local_normal);
-    target.on_sheave.moment += -force * Vec3{lever.x, lever.y, 0.0L};
 }
 
-/// Friction f [N] on the half and its reaction on the sheave.
+/// Friction f [N] on the half.
 void push_friction(const System& system, const TipTarget& target, const TipContact& c, Vec3 f) {
     const Real radius = system.parameters.tip.radius;
     const Vec3 point = c.centre - radius * c.normal;
     target.on_half.push(c.s, f);
     target.on_link.turn(target.link, cross(point - c.end, f).z);
-    target.push_sheave(-f);
-    target.on_sheave.moment += -cross(c.r - radius * c.normal, f);
 }
 
 Real tip_friction_slope(const System& system, Phase phase, Real speed) {
@@ -153,20 +169,15 @@ void add_tip(const System& system, int number, End end, int side, Phase phase, T
     if (c.depth <= 0.0L) return;
     const Half& half = link.half(end);
     const Body& sheave = system.body[c.sheave];
-    const Vec3 sheave_rate = in_space(sheave.u_rate, sheave.w_rate) + flank_rate(system, c.shaft, side);
     const Vec3 tilt_rate = in_space(sheave.tau_rate, 0.0L);
-    const Real depth_rate =
-        -dot(c.normal, centre_rate(system, link, half, c)) + dot(c.normal, sheave_rate) + dot(tilt_rate, cross(c.r, c.local_normal));
-    const Real reference = tip.reference_depth;
-    const Real hertz = tip.hertz;
-    const Real stiffness = 1.5L * hertz * std::sqrt(reference);
-    const Real chi = damping_of(system.parameters.chain.damping_ratio, stiffness, system.parameters.half.mass) /
-                     (hertz * reference * std::sqrt(reference));
-    const Real elastic = hertz * c.depth * std::sqrt(c.depth);
-    const Real force = std::max(0.0L, elastic * (1.0L + chi * depth_rate));
+    const Real depth_rate = -dot(c.normal, centre_rate(system, link, half, c)) + dot(c.normal, origin_rate(system, c)) +
+                            dot(tilt_rate, cross(c.r, c.local_normal));
+    const Real hertz = tip.hertz, elastic = hertz * c.depth * std::sqrt(c.depth);
+    const Real force = std::max(0.0L, elastic * (1.0L + tip_damping(system.parameters) * depth_rate));
     LinkForce& on = totals.link[number];
-    const TipTarget target{link, half, on, on.half(end), totals.body[c.sheave], flank_offset(system, c.shaft, side)};
+    const TipTarget target{link, half, on, on.half(end)};
     push_normal(system, target, c, force);
+    press_sheave(system, c, force, totals);
     totals.energies.tips += 0.4L * hertz * c.depth * c.depth * std::sqrt(c.depth);
     totals.loss(model::Loss::tip_damping) += (force - elastic) * depth_rate;
 
@@ -174,6 +185,7 @@ void add_tip(const System& system, int number, End end, int side, Phase phase, T
     const Real speed = norm(v.tangential), law = tip_law_factor(system.parameters, speed, c.depth);
     const Vec3 f = (-tip.friction.coefficient * force * law * tip_friction_slope(system, phase, speed)) * v.tangential;
     push_friction(system, target, c, f);
+    rub_sheave(system, c, f, totals);
     totals.loss(model::Loss::tip_friction) -= dot(f, v.whole);
 }
 

@@ -12,41 +12,29 @@
 
 #include "engine/executor/catalogue.hpp"
 #include "engine/record/run/state_file.hpp"
-#include "tasks/run/simulation.hpp"
+#include "tasks/scene/ready_scenes.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/claims/rig_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/sample_fixture.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
+#include "tests/temporary_file_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
-std::vector<std::string> scene_files() {
-    std::vector<std::string> files;
-    for (const auto& entry : std::filesystem::directory_iterator(std::string(CVTFLOW_SOURCE_DIR) + "/scenes")) {
-        if (entry.path().extension() == ".toml") files.push_back(entry.path().string());
-    }
-    std::sort(files.begin(), files.end());
-    return files;
-}
-
 /// Counts allocations from one output to the next; makes none itself. The first outputs can be passed over: threads arrive meanwhile.
-class AllocationCounter final : public RunObserver {
-public:
-    explicit AllocationCounter(long passed_over) : passed_over_(passed_over) {}
-
-    void output(double, const Workspace&, const Counters& counters) override {
-        const long now = engine::test::allocation_count();
-        if (outputs_ > passed_over_) between_ += now - before_;
-        if (outputs_ == 0) first_steps_ = counters.steps;
-        last_steps_ = counters.steps;
-        ++outputs_;
-        before_ = engine::test::allocation_count();
-    }
-    void transition(const TransitionRecord&) override { ++transitions_; }
-
-    long passed_over_, between_ = 0, before_ = 0, outputs_ = 0, transitions_ = 0, first_steps_ = 0, last_steps_ = 0;
+struct AllocationCounter {
+    long passed_over = 0, between = 0, before = 0, outputs = 0, transitions = 0, first_steps = 0, last_steps = 0;
+    Outputs observer{[this](double, const Workspace&, const Counters& counters) {
+                         const long now = engine::test::allocation_count();
+                         if (outputs > passed_over) between += now - before;
+                         if (outputs == 0) first_steps = counters.steps;
+                         last_steps = counters.steps;
+                         ++outputs;
+                         before = engine::test::allocation_count();
+                     },
+                     [this](const TransitionRecord&) { ++transitions; }};
 };
 
 /// Some steps of a scene from its start.
@@ -57,15 +45,14 @@ void expect_no_allocation(Scene scene) {
     scene.run.max_steps = 200;  // ends a settling run early
     scene.run.schedule = "serial";
     Simulation simulation(scene);
-    AllocationCounter counter(0);
-    const engine::Cancellation never;
-    const Fault fault = simulation.advance({.until = 1.0}, counter, never);
+    AllocationCounter counter;
+    const Fault fault = simulation.advance({.until = 1.0}, counter.observer, engine::Cancellation());
     EXPECT_EQ(fault.kind, FaultKind::max_steps) << fault.message();
-    EXPECT_GE(counter.last_steps_ - counter.first_steps_, 60);
+    EXPECT_GE(counter.last_steps - counter.first_steps, 60);
     if (simulation.needs_settling() && !one_segment) {  // rigid pins have no transitions
-        EXPECT_GT(counter.transitions_, 0) << "tips just touch at the start, so some come and go";
+        EXPECT_GT(counter.transitions, 0) << "tips just touch at the start, so some come and go";
     }
-    EXPECT_EQ(counter.between_, 0);
+    EXPECT_EQ(counter.between, 0);
 }
 
 /// The step loop, where allocations can be counted.
@@ -81,32 +68,23 @@ TEST_F(NoAllocation, InTheStepLoopOfAnySceneAtAnyLevelOfDetail) {
         SCOPED_TRACE(level);
         expect_no_allocation(claims::scene_at_level("tiny", level));
     }
-    for (const std::string& file : scene_files()) {
-        SCOPED_TRACE(file);
-        expect_no_allocation(read_scene(file));
+    for (const ReadyScene& ready : ready_scenes()) {
+        SCOPED_TRACE(ready.name);
+        expect_no_allocation(read_scene(scene_file(ready.name)));
     }
 }
 
 TEST_F(NoAllocation, InTheStepLoopOfParallelExecutorsWithEitherAssembly) {
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/shift.toml");
-    set_values(scene, std::vector<std::string>{"run.method=rk4", "run.step=50 ns", "run.output_interval=1 us"});
-    scene.run.max_steps = 300;
-    const engine::Cancellation never;
+    const Scene scene = claims::ready_scene("shift", {"run.method=rk4", "run.step=50 ns", "run.output_interval=1 us", "run.max_steps=300"});
     for (const char* executor : {"flow", "barrier", "tbb_loop"}) {
         if (engine::find_executor(executor) == nullptr) continue;  // the laboratory's
         for (const Assembly assembly : test::assemblies()) {
             Simulation simulation(scene, {executor, {assembly}, 4, 2});
-            AllocationCounter counter(5);
-            EXPECT_EQ(simulation.advance({.until = 1.0}, counter, never).kind, FaultKind::max_steps);
-            EXPECT_EQ(counter.between_, 0) << executor;
+            AllocationCounter counter{.passed_over = 5};
+            EXPECT_EQ(simulation.advance({.until = 1.0}, counter.observer, engine::Cancellation()).kind, FaultKind::max_steps);
+            EXPECT_EQ(counter.between, 0) << executor;
         }
     }
-}
-
-TEST_F(NoAllocation, TheCounterCounts) {
-    const long before = engine::test::allocation_count();
-    const std::vector<double> some(1000, 1.0);
-    EXPECT_GT(engine::test::allocation_count() + static_cast<long>(some[0]) - 1, before);
 }
 
 /// Steps by error, rejections, estimates of the spectrum and changes of the polynomial.
@@ -115,12 +93,11 @@ TEST_F(NoAllocation, HoldsForMethodsThatFollowTheSpectrumAndForStepsByError) {
         Scene scene =
             test::settled_tiny({"run.method=" + method, "run.step=5us", "run.step_control=error", "run.tolerance=1e-2", "run.until=400us"});
         Simulation simulation(scene);
-        AllocationCounter counter(0);
-        const engine::Cancellation never;
-        const Fault fault = simulation.advance({.until = simulation.time() + 400e-6}, counter, never);
+        AllocationCounter counter;
+        const Fault fault = simulation.advance({.until = simulation.time() + 400e-6}, counter.observer, engine::Cancellation());
         EXPECT_FALSE(fault) << method << ": " << fault.message();
-        EXPECT_GT(counter.outputs_, 30) << method;
-        EXPECT_EQ(counter.between_, 0) << method;
+        EXPECT_GT(counter.outputs, 30) << method;
+        EXPECT_EQ(counter.between, 0) << method;
     }
 }
 
@@ -140,12 +117,10 @@ long threads() {
 
 TEST(ManySimulations, LeaveNeitherThreadsNorMemoryBehind) {
     const int count = cvtflow::test::depth(400, 1000);
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
-    const std::string state = testing::TempDir() + "many_simulations.h5";
-    engine::write_state(state, Simulation(scene, Schedule{}).saved_state());
-    scene.state_file = state;
-    SilentObserver silent;
-    const engine::Cancellation never;
+    Scene scene = ready_tiny();
+    const tests::TemporaryFile state("many_simulations");
+    engine::write_state(state.path(), Simulation(scene, Schedule{}).saved_state());
+    scene.state_file = state.path();
     const auto executors = engine::executors();
     const std::vector<Assembly> assemblies = test::assemblies();
     double memory = 0.0;
@@ -155,7 +130,7 @@ TEST(ManySimulations, LeaveNeitherThreadsNorMemoryBehind) {
         const engine::ExecutorRow& row = executors[static_cast<std::size_t>(number) % executors.size()];
         const auto kind = static_cast<std::size_t>(number) / executors.size() % assemblies.size();
         Simulation simulation(scene, Schedule{std::string(row.name), {assemblies[kind]}, 4, row.parallel ? 2 : 1});
-        EXPECT_EQ(simulation.advance({.steps = 3}, silent, never).kind, FaultKind::max_steps);
+        EXPECT_EQ(go(simulation, {.steps = 3}).kind, FaultKind::max_steps);
         if (number == 200) {
             memory = resident();
             in_use = mallinfo2().uordblks;
@@ -167,7 +142,6 @@ TEST(ManySimulations, LeaveNeitherThreadsNorMemoryBehind) {
     const auto later = static_cast<std::size_t>(count - 200);
     EXPECT_LT(mallinfo2().uordblks, in_use + 125 * later);  // bytes handed out and not given back
     EXPECT_LT(resident() - memory, 32e6);                   // stacks of workers come and go; one simulation alone takes 0.2 MB
-    std::filesystem::remove(state);
 }
 
 }  // namespace

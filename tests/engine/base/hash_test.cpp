@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 #include <array>
 #include <random>
-#include <set>
 #include <vector>
 
 #include "engine/base/hash.hpp"
@@ -14,11 +13,8 @@ namespace {
 TEST(Hash, IsFnv1aOf64Bits) {
     EXPECT_EQ(Hash{}.hex(), "cbf29ce484222325");
     EXPECT_EQ(Hash{}.add(std::string_view("a")).hex(), "af63dc4c8601ec8c");
-    EXPECT_EQ(Hash{}.add(std::string_view("foobar")).hex(), "85944171f73967e8");
-}
-
-TEST(Hash, DependsOnBytesAndNotOnHowTheyWereCut) {
-    EXPECT_EQ(Hash{}.add(std::string_view("foo")).add(std::string_view("bar")).value(), Hash{}.add(std::string_view("foobar")).value());
+    EXPECT_EQ(Hash{}.add(std::string_view("foo")).add(std::string_view("bar")).hex(), "85944171f73967e8");
+    EXPECT_EQ(hex(0x1fULL), "000000000000001f");
 }
 
 TEST(Hash, ReadsDoublesAsLittleEndianBytes) {
@@ -31,30 +27,11 @@ TEST(Hash, DistinguishesNegativeZeroFromZeroAndSeesOrder) {
     EXPECT_NE(state_hash(std::array{1.0, 2.0}), state_hash(std::array{2.0, 1.0}));
 }
 
-TEST(Hash, WritesSixteenHexadecimalDigits) {
-    EXPECT_EQ(hex(0), "0000000000000000");
-    EXPECT_EQ(hex(0x1fULL), "000000000000001f");
-}
-
 std::vector<std::byte> some_bytes(std::size_t count) {
     std::mt19937 draw(3);
     std::vector<std::byte> bytes(count);
     for (std::byte& byte : bytes) byte = static_cast<std::byte>(draw() & 255U);
     return bytes;
-}
-
-TEST(Checksum, ChangesWithEveryBitAndWithTheLength) {
-    for (const std::size_t size : {1U, 8U, 31U, 32U, 33U, 200U}) {
-        std::vector<std::byte> bytes = some_bytes(size);
-        std::set<std::uint64_t> sums{Checksum().add(bytes).value()};
-        for (std::size_t bit = 0; bit < 8 * size; ++bit) {
-            bytes[bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
-            EXPECT_TRUE(sums.insert(Checksum().add(bytes).value()).second) << size << " bytes, bit " << bit;
-            bytes[bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
-        }
-        bytes.emplace_back();  // zeros also count
-        EXPECT_TRUE(sums.insert(Checksum().add(bytes).value()).second);
-    }
 }
 
 TEST(Checksum, DoesNotDependOnHowBytesWereCutIntoCalls) {

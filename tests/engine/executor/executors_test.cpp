@@ -1,7 +1,6 @@
 /// Guarantees of every executor, for every number of threads (executor.hpp states them), and of the serial one; their catalogue,
 /// cancellation and the shares of a run.
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,11 +15,9 @@
 #include "engine/executor/cancellation.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/executor/run.hpp"
-#include "engine/executor/serial.hpp"
 #include "engine/executor/stamp_recorder.hpp"
 #include "executor_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"
-#include "tests/engine/graph/graph_fixture.hpp"
 
 namespace cvtflow::engine {
 namespace {
@@ -28,70 +25,50 @@ namespace {
 using test::Case;
 using test::mixed_cycles;
 using test::World;
-using testing::ElementsAre;
+
+/// Cycles to be run, some of them over and over.
+struct Worklist {
+    std::vector<std::vector<int>> cycles;
+    long count;
+    unsigned seed = 1;
+    int repetitions = 1;
+    long task_time = 0;  ///< [ns]
+};
+
+/// All sorts of cycles, none at all, often, random graphs of three levels, and tasks that take time.
+std::vector<Worklist> worklists() {
+    std::vector<Worklist> all{
+        {mixed_cycles(), 3000}, {mixed_cycles(), 0}, {mixed_cycles(), 20, 1, 100}, {{{7}, {2, 1, 2}}, 300, 1, 1, 3000}};
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+        const int a = 1 + static_cast<int>(seed * 5 % 13), b = 1 + static_cast<int>(seed * 7 % 11), c = 1 + static_cast<int>(seed * 3 % 7);
+        all.push_back({{{a, b, c}, {c, a, b}}, 200, seed});
+    }
+    return all;
+}
 
 TEST(Executors, DoWhatSerialDoes) {
     test::for_each(test::all_cases(), [&](const Case& each) {
-        constexpr long cycles = 3000;
-        const auto executor = each.make();
-        World world(mixed_cycles());
-        world.run(*executor, cycles);
-        EXPECT_EQ(world.faults(), 0);
-        EXPECT_EQ(world.cycles(), cycles);
-        EXPECT_EQ(world.hash(), test::serial_hash(mixed_cycles(), cycles));
-    });
-}
-
-TEST(Executors, RespectEdgesOfRandomGraphsOfThreeLevels) {
-    test::for_each(test::all_cases(), [&](const Case& each) {
-        for (unsigned seed = 1; seed <= 10; ++seed) {
-            const int a = 1 + static_cast<int>(seed * 5 % 13), b = 1 + static_cast<int>(seed * 7 % 11),
-                      c = 1 + static_cast<int>(seed * 3 % 7);
-            const std::vector<std::vector<int>> cycles{{a, b, c}, {c, a, b}};
-            World world(cycles, seed);
-            world.run(*each.make(), 200);
-            EXPECT_EQ(world.faults(), 0) << seed;
-            EXPECT_EQ(world.hash(), test::serial_hash(cycles, 200, seed)) << seed;
+        for (const Worklist& work : worklists()) {
+            const auto executor = each.make();
+            World world(work.cycles, work.seed);
+            world.task_time(work.task_time);
+            const std::uint64_t expected = test::serial_hash(work.cycles, work.count, work.seed);
+            for (int repetition = 0; repetition < work.repetitions; ++repetition) {
+                world.run(*executor, work.count);
+                ASSERT_EQ(world.faults(), 0) << repetition;
+                ASSERT_EQ(world.cycles(), work.count);
+                ASSERT_EQ(world.hash(), expected) << repetition << ", seed " << work.seed;
+            }
         }
     });
 }
 
-TEST(Executors, FinishTasksThatTakeTime) {
+TEST(Executors, RejectGraphsThatAreNotFrozenAndUnknownCyclesAtTheStartAndLater) {
     test::for_each(test::all_cases(), [&](const Case& each) {
-        World world({{7}, {2, 1, 2}});
-        world.task_time(3000);
-        world.run(*each.make(), 300);
-        EXPECT_EQ(world.faults(), 0);
-        EXPECT_EQ(world.hash(), test::serial_hash({{7}, {2, 1, 2}}, 300));
-    });
-}
-
-TEST(Executors, StopAtOnceIfAsked) {
-    test::for_each(test::all_cases(), [&](const Case& each) {
+        const auto executor = each.make();
         World world(mixed_cycles());
-        world.run(*each.make(), 0);
+        EXPECT_THROW(executor->run(TaskGraph(), &world, world), std::logic_error);
         EXPECT_EQ(world.cycles(), 0);
-        EXPECT_EQ(world.hash(), World(mixed_cycles()).hash());
-    });
-}
-
-TEST(Executors, RunAgainAndAgain) {
-    test::for_each(test::all_cases(), [&](const Case& each) {
-        const auto executor = each.make();
-        World world(mixed_cycles());
-        const std::uint64_t expected = test::serial_hash(mixed_cycles(), 20);
-        for (int repetition = 0; repetition < 100; ++repetition) {
-            world.run(*executor, 20);
-            ASSERT_EQ(world.hash(), expected) << repetition;
-            ASSERT_EQ(world.faults(), 0) << repetition;
-        }
-    });
-}
-
-TEST(Executors, RejectUnknownCyclesAtTheStartAndLater) {
-    test::for_each(test::all_cases(), [&](const Case& each) {
-        const auto executor = each.make();
-        World world(mixed_cycles());
         for (const long after : {0L, 1L, 50L}) {
             for (const int cycle : {-2, static_cast<int>(mixed_cycles().size())}) {
                 world.name_after(after, cycle);
@@ -102,14 +79,6 @@ TEST(Executors, RejectUnknownCyclesAtTheStartAndLater) {
         world.name_after(-1, 0);
         world.run(*executor, 100);
         EXPECT_EQ(world.hash(), test::serial_hash(mixed_cycles(), 100)) << "usable afterwards";
-    });
-}
-
-TEST(Executors, RejectGraphsThatAreNotFrozen) {
-    test::for_each(test::all_cases(), [&](const Case& each) {
-        World world(mixed_cycles());
-        EXPECT_THROW(each.make()->run(TaskGraph(), &world, world), std::logic_error);
-        EXPECT_EQ(world.cycles(), 0);
     });
 }
 
@@ -187,73 +156,18 @@ TEST(World, SeesWhenAnExecutorDoesWrong) {
     EXPECT_NE(world.hash(), test::serial_hash({{1, 2, 1}}, 10));
 }
 
-/// Names cycles from a list, then stops.
-class Script final : public Controller {
-public:
-    explicit Script(std::vector<int> cycles) : cycles_(std::move(cycles)) {}
-    int next() noexcept override { return next_ < cycles_.size() ? cycles_[next_++] : stop; }
-
-private:
-    std::vector<int> cycles_;
-    std::size_t next_ = 0;
-};
-
-TEST(Serial, RunsTasksInTopologicalOrder) {
-    std::vector<int> seen;
-    Script script({0});
-    Serial().run(test::diamond(), &seen, script);
-    EXPECT_THAT(seen, ElementsAre(10, 11, 12, 13));
-}
-
-TEST(Serial, FollowsTheController) {
-    TaskGraph graph;
-    graph.add({"a", 0, test::record, 1, {}});
-    graph.add({"b", 1, test::record, 2, {}});
-    graph.freeze();
-    std::vector<int> seen;
-    Script script({1, 0, 0, 1});
-    Serial().run(graph, &seen, script);
-    EXPECT_THAT(seen, ElementsAre(2, 1, 1, 2));
-}
-
-TEST(Serial, AllocatesNothingWhileRunning) {
-    const TaskGraph graph = test::diamond();
-    Script script(std::vector<int>(100, 0));
-    std::vector<int> seen;
-    seen.reserve(400);
-    Serial serial;
-    const long before = test::allocation_count();
-    serial.run(graph, &seen, script);
-    EXPECT_EQ(test::allocation_count(), before);
-    EXPECT_EQ(seen.size(), 400u);
-}
-
-TEST(AllocationCount, SeesAllocations) {
-    const long before = test::allocation_count();
-    const std::vector<int> something(1000);
-    [[maybe_unused]] const volatile int* volatile seen = something.data();  // or the compiler leaves it out
-    if (before < 0) GTEST_SKIP() << "a sanitizer owns malloc";
-    EXPECT_GT(test::allocation_count(), before);
-    EXPECT_EQ(something.back(), 0);
-}
-
-TEST(ExecutorCatalogue, EveryRowMakesAnExecutorOfItsName) {
+TEST(ExecutorCatalogue, EveryRowMakesAnExecutorOfItsNameByWhichItIsFound) {
+    std::set<std::string_view> names;
     for (const ExecutorRow& row : executors()) {
+        EXPECT_TRUE(names.insert(row.name).second) << row.name;
+        EXPECT_EQ(find_executor(row.name), &row);
         EXPECT_EQ(row.make({.threads = 2})->name(), row.name);
         EXPECT_FALSE(row.description.empty()) << row.name;
     }
 }
 
-TEST(ExecutorCatalogue, NamesAreUniqueAndFound) {
-    std::set<std::string_view> names;
-    for (const ExecutorRow& row : executors()) {
-        EXPECT_TRUE(names.insert(row.name).second) << row.name;
-        EXPECT_EQ(find_executor(row.name), &row);
-    }
-    EXPECT_EQ(find_executor("magic"), nullptr);
-}
-
 TEST(ExecutorCatalogue, AbsentOnesSayWhatTheyNeedAndAreNotFound) {
+    EXPECT_EQ(find_executor("magic"), nullptr);
     for (const ExecutorRow& row : absent_executors()) {
         EXPECT_FALSE(row.needs.empty()) << row.name << " is absent for no reason";
         EXPECT_EQ(row.make, nullptr) << row.name;

@@ -85,7 +85,7 @@ inline void record(void* context, int item) noexcept { static_cast<std::vector<i
 
 inline const std::vector<std::pair<int, int>> diamond_edges{{0, 1}, {0, 2}, {1, 3}, {2, 3}};
 
-/// The diamond, added in the order sink last, frozen. @param skip edge of diamond_edges to leave out, -1: none
+/// The diamond, added in the order sink last, every edge stated twice, frozen. @param skip edge of diamond_edges to leave out, -1: none
 inline TaskGraph diamond(int skip = -1) {
     TaskGraph graph;
     graph.add({"source", 0, record, 10, {{0, 0, 8, true}}});
@@ -94,7 +94,7 @@ inline TaskGraph diamond(int skip = -1) {
     graph.add({"sink", 0, record, 13, {{1, 0, 8, false}, {0, 0, 8, true}}});
     for (int edge = 0; edge < static_cast<int>(diamond_edges.size()); ++edge) {
         const auto& [before, after] = diamond_edges[static_cast<std::size_t>(edge)];
-        if (edge != skip) graph.order(before, after);
+        for (int twice = 0; twice < 2 && edge != skip; ++twice) graph.order(before, after);
     }
     graph.freeze();
     return graph;

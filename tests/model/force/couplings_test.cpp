@@ -51,23 +51,6 @@ TEST(Couplings, TakeOverWithoutAJumpOfTheTorque) {
     }
 }
 
-TEST(Couplings, ActBySpringAndDamper) {
-    PulleyModel pulleys(coupled());
-    auto block = coupled_pulleys(pulleys);
-    pulleys.torques().couple(0.0, block.data());
-    const double carried = pulleys.inputs().at(0.0, block.data()).load_torque,
-                 twist = pulleys.torques().coupling(0.0, block.data(), 1).twist;
-    block[static_cast<std::size_t>(pulleys.coordinates().rotation(1))] += 0.01;
-    block[static_cast<std::size_t>(pulleys.coordinates().size() + pulleys.coordinates().rotation(1))] += 5.0;
-    EXPECT_NEAR(pulleys.inputs().at(0.0, block.data()).load_torque, carried - 400.0 * 0.01 - 2.0 * 5.0, 1e-9);
-    const double later = pulleys.inputs().at(1e-3, block.data()).load_torque;  // the far end has turned on
-    EXPECT_NEAR(later, carried - 400.0 * 0.01 - 2.0 * 5.0 + 400.0 * 0.179, 1e-9);
-    const CouplingState now = pulleys.torques().coupling(0.0, block.data(), 1);
-    EXPECT_NEAR(now.twist, twist - 0.01, 1e-12);
-    EXPECT_NEAR(now.rate, 179.0 - 185.0, 1e-12);
-    EXPECT_NEAR(now.energy, 200.0 * now.twist * now.twist, 1e-12);
-}
-
 TEST(Couplings, FarEndsTurnOnFromWhereTheyAreWhenAHostSetsTheirSpeed) {
     PulleyModel pulleys(coupled());
     const auto block = coupled_pulleys(pulleys);
@@ -97,21 +80,6 @@ TEST(Couplings, ModeSpeedHoldsShaftTwoByAGovernorOfItsOwnInertia) {
     EXPECT_NEAR(pulleys.inputs().at(0.0, block.data()).load_torque, before - 1e-4 * polar * omega * omega, 1e-8);
     EXPECT_FALSE(pulleys.torques().coupled(1)) << "a governor stores nothing";
     EXPECT_TRUE(pulleys.torques().coupled(0));
-}
-
-/// The torque of the safety factor and of clamping by torque is the one that acts.
-TEST(Couplings, ClampingByTorqueFollowsTheTorqueOfTheCoupling) {
-    Parameters p = coupled();
-    p.clamping.safety = 1.5;
-    p.clamping.driven = TimeTable(0.0);
-    PulleyModel pulleys(p);
-    auto block = coupled_pulleys(pulleys);
-    pulleys.torques().couple(0.0, block.data());
-    const Inputs before = pulleys.inputs().at(0.0, block.data());
-    block[static_cast<std::size_t>(pulleys.coordinates().rotation(1))] += 78.0 / 400.0;  // twice the torque
-    const Inputs after = pulleys.inputs().at(0.0, block.data());
-    EXPECT_NEAR(after.load_torque, -156.0, 1e-9);
-    EXPECT_NEAR(after.clamping[1], 2.0 * before.clamping[1], 1e-6);
 }
 
 }  // namespace

@@ -72,35 +72,6 @@ TEST(Guide, NeverPullsAndNeverBringsEnergy) {
     }
 }
 
-TEST(Guide, OfTheLowerStrandIsTheMirrorImage) {
-    const GuideCoefficients g = guide_of_a_slanted_strand();
-    const GuidedPin pin{g.begin + 0.005, 0.7e-3, -11.0, 0.5};
-    const auto upper = pin.contact(g), lower = pin.contact(g, -1.0);
-    EXPECT_GT(upper.normal[0], 0.0);
-    EXPECT_EQ(upper.fx[0], lower.fx[0]);
-    EXPECT_EQ(upper.fy[0], -lower.fy[0]);
-    EXPECT_EQ(upper.normal[0], lower.normal[0]);
-}
-
-/// Power of the force is the decrease of the stored energy, less the losses: at the ends of the rails too, where a pin climbs.
-TEST(Guide, PowerIsChangeOfEnergyAndLoss) {
-    const GuideCoefficients g = guide_of_a_slanted_strand();
-    for (const double s : {g.begin + 0.004, g.begin + 0.012, middle_of_rails(g), g.end - 0.009}) {
-        for (const double rate : {-9.0, -0.7, 0.7}) {
-            const GuidedPin pin{s, -0.6e-3, -11.0, rate};
-            const auto energy_after = [&](double time) {
-                return GuidedPin{s + time * pin.along_rate, pin.outward + time * rate, 0.0, 0.0}.contact(g).energy[0];
-            };
-            const auto c = pin.contact(g);
-            const double power = along_strand(g, c) * pin.along_rate + out_of_strand(g, c) * rate;
-            const double lost = c.damping[0] * c.approach[0] + c.friction[0] * c.speed[0];
-            constexpr double step = 1e-9;  // s: a change of 1e-8 J, which rounds to 1e-17 J
-            EXPECT_NEAR(power, -(energy_after(step) - energy_after(-step)) / (2.0 * step) - lost, 1e-5 * std::abs(power))
-                << s << " " << rate;
-        }
-    }
-}
-
 /// The force of a pin that runs in grows from zero without a step: at most in proportion to the square of the way into the rail.
 TEST(Guide, BeginsWithoutAStep) {
     const GuideCoefficients g = guide_of_a_slanted_strand();

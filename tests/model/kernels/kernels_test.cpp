@@ -54,13 +54,20 @@ std::vector<double> outcome(const Variator& variator, const oracle::RandomState&
     return all;
 }
 
-std::vector<double> one_by_one(const Variator& variator, const oracle::RandomState& random, int first, int last) {
-    std::vector<double> all;
-    for (int link = first; link < last; ++link) {
-        const std::vector<double> one = outcome(variator, random, link, link + 1, true);
-        all.insert(all.end(), one.begin(), one.end());
+/// Depths and sliding speeds of the tips, of one link by itself or of links side by side.
+std::vector<TipProbe> probes_of(const Variator& variator, const oracle::RandomState& random, int first, int last, bool slip, bool alone) {
+    const ChainLayout& at = variator.layout();
+    std::vector<TipProbe> probes(static_cast<std::size_t>(last - first));
+    if (at.pulley_size == 0) return probes;
+    SheaveMotion sheaves[4];
+    variator.pulleys().motions(random.state.data() + at.pulley_begin(), sheaves);
+    const double* links = random.state.data() + at.link_begin(first);
+    if (alone) {
+        variator.chain().probe(links, sheaves, slip, probes[0]);
+    } else {
+        variator.chain().probe_links(links, last - first, sheaves, slip, probes.data());
     }
-    return all;
+    return probes;
 }
 
 void expect_lanes_equal_links(const Parameters& p, const std::string& name, std::uint64_t seed) {
@@ -69,12 +76,22 @@ void expect_lanes_equal_links(const Parameters& p, const std::string& name, std:
         const Variator variator(p, isa);
         const int links = variator.layout().links;
         for (const auto& [first, last] : {std::pair{0, links}, {0, 1}, {links - 1, links}, {1, links - 2}, {3, 8}, {5, 13}, {2, 11}}) {
-            const std::vector<double> singles = one_by_one(variator, random, first, last);
-            for (const bool observe : {false, true}) {
-                const std::vector<double> side_by_side = outcome(variator, random, first, last, observe);
+            SCOPED_TRACE(std::string(name_of(isa)) + ", links " + std::to_string(first) + " to " + std::to_string(last) + ", " + name);
+            std::vector<double> singles;
+            for (int link = first; link < last; ++link) {
+                const std::vector<double> one = outcome(variator, random, link, link + 1, true);
+                singles.insert(singles.end(), one.begin(), one.end());
+            }
+            for (const bool flag : {false, true}) {
+                const std::vector<double> side_by_side = outcome(variator, random, first, last, flag);
                 ASSERT_EQ(side_by_side.size(), singles.size());
-                EXPECT_EQ(std::memcmp(side_by_side.data(), singles.data(), singles.size() * sizeof(double)), 0)
-                    << name_of(isa) << ", links " << first << " to " << last << ", " << name << (observe ? ", observed" : "");
+                EXPECT_EQ(std::memcmp(side_by_side.data(), singles.data(), singles.size() * sizeof(double)), 0) << "observed: " << flag;
+                const std::vector<TipProbe> probes = probes_of(variator, random, first, last, flag, false);
+                for (int link = first; link < last; ++link) {
+                    const TipProbe alone = probes_of(variator, random, link, link + 1, flag, true)[0];
+                    EXPECT_EQ(std::memcmp(&probes[static_cast<std::size_t>(link - first)], &alone, sizeof alone), 0)
+                        << link << ", " << flag;
+                }
             }
         }
     }
@@ -94,31 +111,6 @@ TEST(LanePass, SoTheyDoWithEveryFrictionLawAndManyPlates) {
             p.plate.count = plates;
             p.detail.joint_points = plates == 37 ? 16 : 5;
             expect_lanes_equal_links(p, "plates " + std::to_string(plates), 77);
-        }
-    }
-}
-
-TEST(LaneProbe, GivesTheBitsOfOneLinkAtATimeForRangesOfAnyLength) {
-    for (const oracle::Case& one : oracle::all_details(oracle::small_scene())) {
-        const auto random = oracle::random_state(one.parameters, 91);
-        for (const Isa isa : usable_isas()) {
-            const Variator variator(one.parameters, isa);
-            const ChainLayout& at = variator.layout();
-            if (at.pulley_size == 0) continue;
-            SheaveMotion sheaves[4];
-            variator.pulleys().motions(random.state.data() + at.pulley_begin(), sheaves);
-            for (const bool slip : {false, true}) {
-                std::vector<TipProbe> expected(static_cast<std::size_t>(at.links));
-                for (int link = 0; link < at.links; ++link)
-                    variator.chain().probe(random.state.data() + at.link_begin(link), sheaves, slip,
-                                           expected[static_cast<std::size_t>(link)]);
-                for (const auto& [first, last] : {std::pair{0, at.links}, {1, 2}, {3, 8}, {2, at.links - 1}}) {
-                    std::vector<TipProbe> probes(static_cast<std::size_t>(last - first));
-                    variator.chain().probe_links(random.state.data() + at.link_begin(first), last - first, sheaves, slip, probes.data());
-                    EXPECT_EQ(std::memcmp(probes.data(), expected.data() + first, probes.size() * sizeof(TipProbe)), 0)
-                        << one.name << ", " << name_of(isa) << ", links " << first << " to " << last << ", slip " << slip;
-                }
-            }
         }
     }
 }

@@ -9,10 +9,9 @@
 #include <set>
 #include <string>
 
-#include "tasks/run/simulation.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/claims/rig_fixture.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -45,30 +44,16 @@ void expect_finite(claims::Rig& rig, bool pulleys) {
     }
 }
 
-TEST(Channels, AllAreFiniteAndOfTheirWidthOnAVariator) {
-    claims::Rig rig(tiny_parameters());
-    ASSERT_FALSE(rig.run({-10e-3, -8e-3, 5e-8, 1e-4}));
-    expect_finite(rig, true);
-}
-
-/// A record names a dimension after its axis.
-TEST(Channels, OfOneAxisHaveOneWidth) {
-    const model::Variator variator(tiny_parameters());
-    std::map<std::string_view, int> widths;
-    for (const Channel& channel : channels()) {
-        if (channel.axis.empty()) continue;
-        const int width = channel.width(variator.chain());
-        EXPECT_EQ(widths.try_emplace(channel.axis, width).first->second, width) << channel.name;
-    }
-}
-
-TEST(Channels, AllAreFiniteAndOfTheirWidthOnAFreeRing) {
+TEST(Channels, AllAreFiniteAndOfTheirWidth) {
+    claims::Rig variator(tiny_parameters());
+    ASSERT_FALSE(variator.run({-10e-3, -8e-3, 5e-8, 1e-4}));
+    expect_finite(variator, true);
     model::Parameters p = tiny_parameters();
     p.detail.pulleys = model::PulleyDetail::absent;
     p.start.layout = model::StartLayout::ring;
-    claims::Rig rig(p);
-    ASSERT_FALSE(rig.run({0.0, 1e-5, 5e-8, 1e-5}));
-    expect_finite(rig, false);
+    claims::Rig ring(p);
+    ASSERT_FALSE(ring.run({0.0, 1e-5, 5e-8, 1e-5}));
+    expect_finite(ring, false);
 }
 
 /// The observer has never read the chain: quantities of the chain would be zero.
@@ -90,47 +75,23 @@ TEST(Channels, WithoutTheChainReadTheSameOfShaftsAlone) {
     EXPECT_FALSE(read(channels()[0], shafts)[0] == 0.0) << "it turns";
 }
 
-TEST(Channels, HaveNamesOfTheirOwnUnitsAndDescriptions) {
+/// A record names a dimension after its axis.
+TEST(Channels, HaveNamesOfTheirOwnUnitsDescriptionsAndOneWidthPerAxis) {
     std::set<std::string> names;
+    std::map<std::string_view, int> widths;
     const model::ChainModel chain = model::make_chain(tiny_parameters());
     for (const Channel& channel : channels()) {
         EXPECT_TRUE(names.emplace(channel.name).second) << channel.name;
         EXPECT_FALSE(channel.unit.empty()) << channel.name;
         EXPECT_FALSE(channel.description.empty()) << channel.name;
-        EXPECT_EQ(channel.width(chain) > 1, !channel.axis.empty()) << channel.name;
+        const int width = channel.width(chain);
+        EXPECT_EQ(width > 1, !channel.axis.empty()) << channel.name;
+        EXPECT_TRUE(channel.axis.empty() || widths.try_emplace(channel.axis, width).first->second == width) << channel.name;
     }
+    for (int kind = 0; kind < model::loss_kinds; ++kind) EXPECT_TRUE(names.contains("loss/" + std::string(loss_name(kind))));
+    for (int kind = 0; kind < model::energy_kinds; ++kind) EXPECT_TRUE(names.contains("energy/" + std::string(energy_name(kind))));
+    for (int kind = 0; kind < model::work_kinds; ++kind) EXPECT_TRUE(names.contains("power/" + std::string(work_name(kind))));
 }
-
-/// Integrates every channel that has an integral, by the trapezoidal rule over outputs.
-class Integrals final : public RunObserver {
-public:
-    explicit Integrals(const model::Variator& variator) : observer_(variator) {}
-
-    void output(double time, const Workspace& workspace, const Counters& counters) override {
-        const Instant now{workspace.observed_by(observer_, time), workspace, counters, 0, observer_};
-        for (const Channel& channel : channels()) {
-            if (channel.integral() == nullptr) continue;
-            Sum& sum = sums[std::string(channel.name)];
-            const double power = read(channel, now)[0], integral = read(*channel.integral(), now)[0];
-            if (counters.steps == 0) sum.begin = integral;
-            sum.by_outputs += 0.5 * (time - before_) * (power + sum.power);
-            sum.scale += (time - before_) * std::abs(power);
-            sum.power = power;
-            sum.change = integral - sum.begin;
-        }
-        before_ = time;
-    }
-    void transition(const TransitionRecord&) override {}
-
-    struct Sum {
-        double begin = 0.0, change = 0.0, by_outputs = 0.0, scale = 0.0, power = 0.0;
-    };
-    std::map<std::string, Sum> sums;
-
-private:
-    model::Observer observer_;
-    double before_ = 0.0;
-};
 
 /// Means of sums so far, of means since the last output, and of energies that close a balance with sums, would be neither.
 TEST(Channels, SumsAreLeftAsTheyAreByMeansOfOutputs) {
@@ -154,21 +115,30 @@ TEST(Channels, HaveTheirIntegralWhereTheyNameOne) {
         const Channel* integral = channel.integral();
         EXPECT_TRUE(integral == nullptr || integral->is(Channel::without_chain)) << channel.name;
     }
-    Scene scene = test::settled_tiny({"run.step=100 ns", "run.output_interval=1 us"});
-    Simulation simulation(scene);
-    Integrals integrals(simulation.workspace().variator);
-    const engine::Cancellation never;
-    ASSERT_FALSE(simulation.advance({.until = 2e-4}, integrals, never));
-    EXPECT_GT(integrals.sums.size(), 20u);
-    for (const auto& [name, sum] : integrals.sums) EXPECT_NEAR(sum.change, sum.by_outputs, 0.03 * sum.scale + 1e-15) << name;
-}
-
-TEST(Channels, ThereIsOneForEveryLossEnergyAndWork) {
-    std::set<std::string> names;
-    for (const Channel& channel : channels()) names.emplace(channel.name);
-    for (int kind = 0; kind < model::loss_kinds; ++kind) EXPECT_TRUE(names.contains("loss/" + std::string(loss_name(kind))));
-    for (int kind = 0; kind < model::energy_kinds; ++kind) EXPECT_TRUE(names.contains("energy/" + std::string(energy_name(kind))));
-    for (int kind = 0; kind < model::work_kinds; ++kind) EXPECT_TRUE(names.contains("power/" + std::string(work_name(kind))));
+    Simulation simulation(test::settled_tiny({"run.step=100 ns", "run.output_interval=1 us"}));
+    struct Sum {
+        double begin = 0.0, change = 0.0, by_outputs = 0.0, scale = 0.0, power = 0.0;
+    };
+    std::map<std::string, Sum> sums;
+    model::Observer observer(simulation.workspace().variator);
+    double before = 0.0;
+    Outputs integrals([&](double time, const Workspace& workspace, const Counters& counters) {  // by the trapezoidal rule
+        const Instant now{workspace.observed_by(observer, time), workspace, counters, 0, observer};
+        for (const Channel& channel : channels()) {
+            if (channel.integral() == nullptr) continue;
+            Sum& sum = sums[std::string(channel.name)];
+            const double power = read(channel, now)[0], integral = read(*channel.integral(), now)[0];
+            if (counters.steps == 0) sum.begin = integral;
+            sum.by_outputs += 0.5 * (time - before) * (power + sum.power);
+            sum.scale += (time - before) * std::abs(power);
+            sum.power = power;
+            sum.change = integral - sum.begin;
+        }
+        before = time;
+    });
+    settle_and_go(simulation, 2e-4, integrals);
+    EXPECT_GT(sums.size(), 20u);
+    for (const auto& [name, sum] : sums) EXPECT_NEAR(sum.change, sum.by_outputs, 0.03 * sum.scale + 1e-15) << name;
 }
 
 const Channel& named(std::string_view name) {
@@ -197,26 +167,12 @@ TEST(ForceChannels, NamesThatMeanNothingAreFound) {
 }
 
 /// Means of channels at the outputs of a run from a settled state.
-class Means final : public RunObserver {
+class Means {
 public:
-    explicit Means(const Scene& scene) : simulation_(scene), observer_(simulation_.workspace().variator), pin_(scene.run.followed_pin) {
-        fault = simulation_.advance({.until = scene.run.until}, *this, engine::Cancellation());
+    explicit Means(const Scene& scene) : simulation_(scene), observer_(simulation_.workspace().variator) {
+        Outputs outputs([this](double time, const Workspace& workspace, const Counters& counters) { add(time, workspace, counters); });
+        settle_and_go(simulation_, scene.run.until, outputs);
     }
-    void output(double time, const Workspace& workspace, const Counters& counters) override {
-        const model::Observation& now = workspace.observed_by(observer_, time);
-        const Instant instant{now, workspace, counters, pin_, observer_};
-        ++outputs_;
-        for (const Channel* channel : chosen_channels(all_, workspace.parameters)) {
-            auto& sum = sums_[channel->name];
-            std::vector<double> values(static_cast<std::size_t>(channel->width(workspace.variator.chain())));
-            channel->read(instant, values.data());
-            sum.resize(values.size());
-            for (std::size_t i = 0; i < values.size(); ++i) sum[i] += values[i];
-        }
-        torque_from_tips(workspace, instant);
-    }
-    void transition(const TransitionRecord&) override {}
-
     [[nodiscard]] double mean(std::string_view channel, std::size_t index = 0) const { return sums_.at(channel)[index] / outputs_; }
     /// Moments of the tangential forces about their shaft's axis, at the pins' radii.
     [[nodiscard]] double torque(std::size_t shaft) const { return torque_[shaft] / outputs_; }
@@ -224,12 +180,18 @@ public:
         const auto& all = sums_.at(channel);
         return std::accumulate(all.begin(), all.end(), 0.0) / outputs_;
     }
-    Fault fault;
 
 private:
-    void torque_from_tips(const Workspace& workspace, const Instant& instant) {
-        std::vector<double> tangential(static_cast<std::size_t>(named("tips/tangential_force").width(workspace.variator.chain())));
-        named("tips/tangential_force").read(instant, tangential.data());
+    void add(double time, const Workspace& workspace, const Counters& counters) {
+        const Instant instant{workspace.observed_by(observer_, time), workspace, counters, 0, observer_};
+        ++outputs_;
+        for (const Channel* channel : chosen_channels(all_, workspace.parameters)) {
+            const std::vector<double> values = read(*channel, instant);
+            auto& sum = sums_[channel->name];
+            sum.resize(values.size());
+            for (std::size_t i = 0; i < values.size(); ++i) sum[i] += values[i];
+        }
+        const std::vector<double> tangential = read(named("tips/tangential_force"), instant);
         for (std::size_t tip = 0; tip < tangential.size(); ++tip) {
             const double* link = workspace.state() + workspace.layout().link_begin(static_cast<int>(tip / 4));
             const std::size_t shaft = static_cast<std::size_t>(workspace.variator.chain().shaft_of(link));
@@ -239,7 +201,6 @@ private:
 
     Simulation simulation_;
     model::Observer observer_;
-    int pin_;
     std::vector<std::string> all_{"tips/*", "shaft_1/*",    "shaft_2/*", "plates/*", "contact_thrust_ratio",
                                   "loss/*", "misalignment", "wear/*"};
     std::map<std::string_view, std::vector<double>> sums_;
@@ -250,7 +211,6 @@ private:
 /// Four pin periods of the settled baseline: means against what acts from outside, to 1 %.
 TEST(ForceChannels, OfTheBaselineAddUpToClampingTorqueAndTension) {
     const Means run(claims::ready_scene("baseline", {"run.until=2.85 ms", "run.method=leapfrog-chebyshev"}));
-    ASSERT_FALSE(run.fault) << run.fault.message();
     EXPECT_NEAR(run.torque(1), 150.0, 1.5);
     EXPECT_NEAR(run.torque(0), run.mean("shaft_1/chain_torque"), 1.5);
     EXPECT_NEAR(run.mean("contact_thrust_ratio"), 27.1 / 20.0, 0.01 * 1.355);

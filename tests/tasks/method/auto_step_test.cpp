@@ -7,9 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/run/simulation.hpp"
-#include "tasks/scene/ready_scenes.hpp"
-#include "tests/claims/operating_point_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -18,13 +16,8 @@ namespace {
 /// of settling was off by 0.95 of the losses, with 0.1 by 0.13.
 TEST(AutoStep, HoldsWhileLoadsRise) {
     for (const char* damping : {"chain.damping_ratio=0.1", "chain.damping_ratio=0.2"}) {
-        Scene scene = read_scene(find_scene("baseline"), StartState::ignored);
-        apply_detail(scene, "fine");
-        set_values(scene, std::vector<std::string>{damping, "start.settling_time=10 ms", "run.method=leapfrog-chebyshev"});
-        Simulation simulation(scene);
-        SilentObserver silent;
-        const engine::Cancellation never;
-        ASSERT_FALSE(simulation.advance({.until = -1e-6}, silent, never)) << damping;
+        Simulation simulation(scene_of("baseline", "fine", {damping, "start.settling_time=10 ms", "run.method=leapfrog-chebyshev"}));
+        ASSERT_FALSE(go(simulation, {.until = -1e-6})) << damping;
         EXPECT_LE(simulation.balance_error_ratio(), 1.0) << damping << ", " << simulation.step() << " s";
     }
 }
@@ -34,15 +27,9 @@ struct StepAtSpeed {
     double step, pin_period;
 };
 
-StepAtSpeed step_at(const std::string& level, const std::string& scene_name, std::vector<std::string> settings) {
-    Scene scene = read_scene(find_scene(scene_name), StartState::ignored);
-    apply_detail(scene, level);
-    settings.insert(settings.end(), {"start.settling_time=5 ms", "start.ramp_time=2 ms"});
-    set_values(scene, settings);
-    Simulation simulation(scene);
-    SilentObserver silent;
-    const engine::Cancellation never;
-    EXPECT_FALSE(simulation.advance({.until = 0.0}, silent, never));
+StepAtSpeed step_at(const std::string& level, const std::string& scene_name, const std::vector<std::string>& settings) {
+    Simulation simulation(scene_of(scene_name, level, settings, {"start.settling_time=5 ms", "start.ramp_time=2 ms"}));
+    settle_and_go(simulation, 0.0);
     return {automatic_step(simulation), simulation.workspace().pin_period()};
 }
 
@@ -70,13 +57,9 @@ TEST(AutoStep, OfRigidPinsTakes85StepsPerPinOfAFastChain) {
 
 /// A host's call of a millisecond does not contain a whole estimate; the pieces find the same, and continue from a checkpoint bitwise.
 TEST(AutoStep, OfRigidPinsSpreadsItsEstimates) {
-    Scene scene = read_scene(find_scene("baseline"), StartState::ignored);
-    apply_detail(scene, "rigid");
-    set_values(scene, std::vector<std::string>{"start.settling_time=5 ms", "start.ramp_time=2 ms"});
+    const Scene scene = scene_of("baseline", "rigid", {"start.settling_time=5 ms", "start.ramp_time=2 ms"});
     Simulation simulation(scene);
-    SilentObserver silent;
-    const engine::Cancellation never;
-    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, never));
+    settle_and_go(simulation, 0.0);
     const Workspace& w = simulation.workspace();
     AutoStep spread(w.variator, scene.parameters, simulation.method()), resumed(w.variator, scene.parameters, simulation.method());
     const auto ask = [&](AutoStep& step, double time) { return step.longest(time, w.state(), w.tips.phases.data()); };

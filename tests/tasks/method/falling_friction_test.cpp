@@ -7,8 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "tasks/run/simulation.hpp"
-#include "tests/claims/operating_point_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -21,15 +20,12 @@ double growth_of(const Simulation& simulation, const Scene& scene) {
 /// Simulation after a short settling: tips bear loads.
 std::unique_ptr<const Simulation> loaded(const Scene& scene) {
     auto simulation = std::make_unique<Simulation>(scene);
-    SilentObserver silent;
-    const engine::Cancellation never;
-    EXPECT_FALSE(simulation->advance({.until = 0.0}, silent, never));
+    settle_and_go(*simulation, 0.0);
     return simulation;
 }
 
 Scene scene_with(const char* law, const char* table = "tip.friction_coefficient=0.09") {
-    return claims::ready_scene("tiny",
-                               {std::string("tip.friction_law=") + law, table, "start.settling_time=0.5 ms", "start.ramp_time=0.2 ms"});
+    return scene_of("tiny", "", {std::string("tip.friction_law=") + law, table, "start.settling_time=0.5 ms", "start.ramp_time=0.2 ms"});
 }
 
 /// Friction of two knots falls linearly between them: -μ' is the slope of the line, and differences of 2 % see it but for the ends.

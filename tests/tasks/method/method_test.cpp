@@ -13,7 +13,7 @@
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -40,25 +40,22 @@ TEST(MethodChoice, TablesEstimateTheirErrorIfTheyHoldAnEstimate) {
 }
 
 std::string automatic_with(const std::vector<std::string>& settings) {
-    std::vector<std::string> all{"start.state=", "start.settling_time=0", "start.ramp_time=1us", "run.method=auto"};
-    all.insert(all.end(), settings.begin(), settings.end());
-    return method_of(claims::ready_scene("tiny", all));
+    return method_of(scene_of("tiny", "", {"start.settling_time=0", "start.ramp_time=1us", "run.method=auto"}, settings));
 }
 
-TEST(AutomaticMethod, IsChosenByDetailAndFrictionLaw) {
-    EXPECT_EQ(automatic_with({}), "leapfrog-sweep");
-    EXPECT_EQ(automatic_with({"detail.plates=each", "detail.joint_points=8"}), "leapfrog-sweep");
-    EXPECT_EQ(automatic_with({"detail.pins=rigid"}), "leapfrog-rigid");
-    EXPECT_EQ(automatic_with({"detail.pins=rigid", "detail.friction=smoothed"}), "leapfrog-rigid");
-    EXPECT_EQ(automatic_with({"detail.friction=smoothed"}), "leapfrog-chebyshev");
-    EXPECT_EQ(automatic_with({"detail.stick_slip=true"}), "leapfrog-chebyshev");
-}
-
-/// A tenth of the usual speeds takes five sweeps; a thousandth would take more than a step has.
-TEST(AutomaticMethod, LeavesLowSaturationSpeedsToStages) {
-    EXPECT_EQ(automatic_with({"tip.saturation_speed=1e-3", "joint.saturation_speed=5e-4", "plate.saturation_speed=1e-3"}),
-              "leapfrog-sweep");
-    EXPECT_EQ(automatic_with({"tip.saturation_speed=1e-5"}), "leapfrog-chebyshev");
+/// A tenth of the usual saturation speeds takes five sweeps; a thousandth would take more than a step has.
+TEST(AutomaticMethod, IsChosenByDetailFrictionLawAndSaturationSpeeds) {
+    using Settings = std::vector<std::string>;
+    for (const auto& [settings, method] :
+         {std::pair{Settings{}, "leapfrog-sweep"},
+          {{"detail.plates=each", "detail.joint_points=8"}, "leapfrog-sweep"},
+          {{"detail.pins=rigid"}, "leapfrog-rigid"},
+          {{"detail.pins=rigid", "detail.friction=smoothed"}, "leapfrog-rigid"},
+          {{"detail.friction=smoothed"}, "leapfrog-chebyshev"},
+          {{"detail.stick_slip=true"}, "leapfrog-chebyshev"},
+          {{"tip.saturation_speed=1e-3", "joint.saturation_speed=5e-4", "plate.saturation_speed=1e-3"}, "leapfrog-sweep"},
+          {{"tip.saturation_speed=1e-5"}, "leapfrog-chebyshev"}})
+        EXPECT_EQ(automatic_with(settings), method) << testing::PrintToString(settings);
 }
 
 TEST(AutomaticMethod, HasRowsOfTheCatalogueOfWhichTheLastSuitsEveryMachine) {
@@ -81,13 +78,10 @@ TEST(AutomaticMethod, NamesThatAreGivenStay) {
 
 /// Results are bitwise those of the method that it represents, and are known by that name.
 TEST(AutomaticMethod, IsResolvedOnceWhenASimulationIsMade) {
-    const engine::Cancellation unstopped;
-    SilentObserver silent;
     Simulation automatic(claims::ready_scene("baseline", {"run.method=auto", "run.schedule=serial"}));
     Simulation named(claims::ready_scene("baseline", {"run.method=leapfrog-sweep", "run.schedule=serial"}));
     EXPECT_EQ(automatic.method().name(), "leapfrog-sweep");
-    ASSERT_FALSE(automatic.advance({.until = 50e-6}, silent, unstopped));
-    ASSERT_FALSE(named.advance({.until = 50e-6}, silent, unstopped));
+    for (Simulation* each : {&automatic, &named}) settle_and_go(*each, 50e-6);
     EXPECT_EQ(automatic.hash(), named.hash());
 }
 
@@ -100,16 +94,13 @@ TEST(AutomaticMethod, DecidesWhetherAnotherSceneFits) {
 
 /// Hash of the state after some steps of tiny as it settles; "none" where the method does not take the machine.
 [[nodiscard]] std::string course_of(const std::string& method, const char* detail) {
-    Scene scene = ready_tiny();
-    apply_detail(scene, detail);
+    Scene scene = scene_of("tiny", detail);
     scene.run.method = method;
     scene.run.schedule = "serial";
     scene.run.step = scene.parameters.detail.pins == model::PinDetail::rigid ? 1e-6 : 5e-8;
     if (!objection_to(method, scene.parameters).empty()) return "none";
     Simulation simulation(scene);
-    SilentObserver silent;
-    const engine::Cancellation never;
-    (void)simulation.advance({.steps = 40, .new_part = true, .max_wall = 0.0}, silent, never);
+    (void)go(simulation, {.steps = 40, .new_part = true, .max_wall = 0.0});
     return engine::hex(simulation.hash());
 }
 

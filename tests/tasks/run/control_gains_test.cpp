@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "tasks/run/run.hpp"
-#include "tasks/scene/ready_scenes.hpp"
 #include "tests/sample_fixture.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"
 
@@ -21,49 +20,33 @@ struct Machine {
 };
 
 Scene machine_scene(const Machine& machine, const std::string& gains, double until) {
-    Scene scene = read_scene(find_scene("control"), StartState::ignored);
-    apply_detail(scene, machine.level);
     const double smaller = 54.4e-3 * std::sqrt(std::min(machine.ratio, 1.0 / machine.ratio));  // radius, roughly
     const double torque = machine.share * 2.0 * 0.09 * 20e3 * smaller * std::max(machine.ratio, 1.0);
-    set_values(scene, std::vector<std::string>{"start.state=", "start.ratio=" + std::to_string(machine.ratio),
-                                               "control.ratio=" + std::to_string(1.002 * machine.ratio), "control.authority=40 kN",
-                                               "clamping.driving=" + std::to_string(20e3 * (1.0 + 0.4 * machine.share)),
-                                               "load.torque=" + std::to_string(torque), "run.output_interval=200 us",
-                                               "drive.speed=" + std::to_string(machine.rpm) + " rpm", "control.gains=" + gains,
-                                               "run.until=" + std::to_string(until)});
-    return scene;
+    return scene_of(
+        "control", machine.level,
+        {"start.ratio=" + std::to_string(machine.ratio), "control.ratio=" + std::to_string(1.002 * machine.ratio),
+         "control.authority=40 kN", "clamping.driving=" + std::to_string(20e3 * (1.0 + 0.4 * machine.share)),
+         "load.torque=" + std::to_string(torque), "run.output_interval=200 us", "drive.speed=" + std::to_string(machine.rpm) + " rpm",
+         "control.gains=" + gains, "run.until=" + std::to_string(until)});
 }
 
-/// Sums of the controlled force and of its square.
-struct Swing final : RunObserver {
-    explicit Swing(double from) : from_(from) {}
-    void output(double time, const Workspace& w, const Counters&) override {
-        if (time < from_) return;
-        const model::Inputs now = w.variator.pulleys().inputs().at(time, w.state() + w.layout().pulley_begin());
-        const double force = now.clamping[0];
-        limited_ = limited_ || now.control_limited;
-        sum_ += force;
-        square_ += force * force;
-        count_ += 1.0;
-    }
-    void transition(const TransitionRecord&) override {}
-    /// Infinite where control was at its limit: that force stands still.
-    [[nodiscard]] double share() const { return limited_ ? INFINITY : std::sqrt(std::max(0.0, square_ * count_ / (sum_ * sum_) - 1.0)); }
-
-private:
-    double from_, sum_ = 0.0, square_ = 0.0, count_ = 0.0;
-    bool limited_ = false;
-};
-
-/// Infinite where the run ends early, too.
+/// Relative standard deviation of the controlled force over the second half. Infinite where control was at its limit, as that force stands
+/// still, and where the run ends early.
 double swing(const Machine& machine, const std::string& gains, double until) {
     Simulation simulation(machine_scene(machine, gains, until));
-    Swing swing(0.5 * until);
-    SilentObserver silent;
-    const engine::Cancellation never;
-    Fault fault = simulation.advance({.until = 0.0}, silent, never);
-    if (!fault) fault = simulation.advance({.until = until}, swing, never);
-    return fault ? INFINITY : swing.share();
+    double sum = 0.0, square = 0.0, count = 0.0;
+    bool limited = false;
+    Outputs summed([&](double time, const Workspace& w, const Counters&) {
+        if (time < 0.5 * until) return;
+        const model::Inputs now = w.variator.pulleys().inputs().at(time, w.state() + w.layout().pulley_begin());
+        limited = limited || now.control_limited;
+        sum += now.clamping[0];
+        square += now.clamping[0] * now.clamping[0];
+        count += 1.0;
+    });
+    Fault fault = go(simulation, {.until = 0.0});
+    if (!fault) fault = simulation.advance({.until = until}, summed, engine::Cancellation());
+    return fault || limited ? INFINITY : std::sqrt(std::max(0.0, square * count / (sum * sum) - 1.0));
 }
 
 /// A twentieth is what two windows of one run differ by: at 1050 rpm, ratio 2, load 80 % with given gains, swings in windows of 0.2 s rise

@@ -14,19 +14,16 @@
 namespace cvtflow::tasks {
 namespace {
 
-Scene remembering(const std::string& name, std::vector<std::string> settings) {
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml", StartState::ignored);
-    apply_detail(scene, "rigid");
-    settings.insert(settings.end(), {"run.method=auto", "tip.friction_law=table"});
-    set_values(scene, settings);
+Scene remembering(const std::string& name, const std::vector<std::string>& settings, const std::vector<std::string>& more = {}) {
+    Scene scene = scene_of(name, "rigid", settings, {"run.method=auto", "tip.friction_law=table"});
+    set_values(scene, more);
     return scene;
 }
 
 Scene falling_tiny(const std::vector<std::string>& more) {
-    Scene scene = remembering(
-        "tiny", {"start.settling_time=1 ms", "start.ramp_time=0.3 ms", "tip.friction_table=[[0.02,0.09],[0.1,0.05]]", "run.step=1 us"});
-    set_values(scene, more);
-    return scene;
+    return remembering(
+        "tiny", {"start.settling_time=1 ms", "start.ramp_time=0.3 ms", "tip.friction_table=[[0.02,0.09],[0.1,0.05]]", "run.step=1 us"},
+        more);
 }
 
 /// Compares the columns of every tip after each step with its equation and its law.

@@ -12,14 +12,12 @@ namespace cvtflow::tasks {
 namespace {
 
 /// Scene with so little heat capacity that a millisecond warms the machine by some kelvin.
-Scene warming_scene(const std::string& law = "lubricated") {
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
-    const std::vector<std::string> settings{"start.settling_time=1 ms",      "start.ramp_time=0.5 ms",     "run.step=50 ns",
-                                            "run.output_interval=20 us",     "tip.friction_law=" + law,    "heat.enabled=true",
-                                            "heat.pulley_capacity=5e-3 J/K", "heat.oil_capacity=5e-3 J/K", "heat.pulley_conductance=2 W/K",
-                                            "heat.ambient_conductance=1 W/K"};
-    set_values(scene, settings);
-    return scene;
+Scene warming_scene(const std::string& law = "lubricated", const std::vector<std::string>& more = {}) {
+    return scene_of("tiny", "",
+                    {"start.settling_time=1 ms", "start.ramp_time=0.5 ms", "run.step=50 ns", "run.output_interval=20 us",
+                     "tip.friction_law=" + law, "heat.enabled=true", "heat.pulley_capacity=5e-3 J/K", "heat.oil_capacity=5e-3 J/K",
+                     "heat.pulley_conductance=2 W/K", "heat.ambient_conductance=1 W/K"},
+                    more);
 }
 
 TEST(SimulationHeat, LossesWarmTheMachineAndThinTheOil) {
@@ -40,22 +38,16 @@ TEST(SimulationHeat, ContinuesBitForBitFromAnIntegrationState) { EXPECT_FALSE(ex
 /// The heat of one run must not warm the next one.
 TEST(SimulationHeat, BeginsAnewWithAReset) {
     const Scene scene = warming_scene();
-    Simulation fresh(scene), used(scene);
+    Simulation used(scene);
     settle_and_go(used, 4e-4);
     used.reset(scene, nullptr);
     settle_and_go(used, 2e-4);
-    settle_and_go(fresh, 2e-4);
-    EXPECT_EQ(used.hash(), fresh.hash());
+    EXPECT_EQ(used.hash(), hash_at(scene, 2e-4));
 }
 
 /// Temperatures change nothing but the lubricated law.
 TEST(SimulationHeat, LeavesAConstantLawAlone) {
-    Scene with = warming_scene("constant"), without = warming_scene("constant");
-    set_values(without, std::vector<std::string>{"heat.enabled=false"});
-    Simulation warm(with), cold(without);
-    settle_and_go(warm, 1e-4);
-    settle_and_go(cold, 1e-4);
-    EXPECT_EQ(warm.hash(), cold.hash());
+    EXPECT_EQ(hash_at(warming_scene("constant"), 1e-4), hash_at(warming_scene("constant", {"heat.enabled=false"}), 1e-4));
 }
 
 TEST(SimulationHeat, RefusesMalformedTemperatures) {

@@ -8,69 +8,48 @@
 #include <vector>
 
 #include "tasks/channel/channels.hpp"
-#include "tasks/tuning/tuner.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
-const engine::Cancellation oil_uncancelled;
-
 /// The pump is sized for the clamping forces of `tiny`.
-Scene hydraulic_scene(const std::string& detail, std::vector<std::string> more = {}) {
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
-    apply_detail(scene, detail);
-    std::vector<std::string> settings{"start.settling_time=2 ms", "start.ramp_time=1 ms", "run.step=0.5 us", "hydraulics.mode=force",
-                                      "hydraulics.valve_lag=0.2 ms"};
-    if (detail != "rigid") settings.emplace_back("run.step=0.05 us");
-    settings.insert(settings.end(), more.begin(), more.end());
-    set_values(scene, settings);
-    return scene;
+Scene hydraulic_scene(const std::string& detail, const std::vector<std::string>& more = {}) {
+    return scene_of("tiny", detail,
+                    {"start.settling_time=2 ms", "start.ramp_time=1 ms", detail == "rigid" ? "run.step=0.5 us" : "run.step=0.05 us",
+                     "hydraulics.mode=force", "hydraulics.valve_lag=0.2 ms"},
+                    more);
 }
 
-const double* tail_of(const Simulation& of) { return of.workspace().state() + of.workspace().layout().pulley_begin(); }
-
 model::HydraulicEnergy energy_of(const Simulation& simulation) {
-    return simulation.workspace().variator.pulleys().inputs().hydraulic_energy(tail_of(simulation));
+    return simulation.workspace().variator.pulleys().inputs().hydraulic_energy(pulleys_of(simulation));
 }
 
 model::Inputs inputs_of(const Simulation& simulation) {
-    return simulation.workspace().variator.pulleys().inputs().at(simulation.time(), tail_of(simulation));
+    return simulation.workspace().variator.pulleys().inputs().at(simulation.time(), pulleys_of(simulation));
 }
 
 model::HydraulicInstant oil_in(const Simulation& simulation) {
-    return simulation.workspace().variator.pulleys().inputs().hydraulics(simulation.time(), tail_of(simulation));
+    return simulation.workspace().variator.pulleys().inputs().hydraulics(simulation.time(), pulleys_of(simulation));
 }
 
 /// S_2 rises by half within 0.2 ms: a transient of everything.
 const std::vector<std::string> step_of_force{"clamping.driven=[[0, 4000], [0.2e-3, 6000]]", "clamping.driving=5000"};
 
-/// The channel at every output of a run of `tiny` with a pump.
-class PumpEfficiency final : public RunObserver {
-public:
-    explicit PumpEfficiency(const Simulation& simulation) : observer_(simulation.workspace().variator) {}
-    void output(double time, const Workspace& workspace, const Counters& counters) override {
-        const auto all = channels();
-        const auto found = std::find_if(all.begin(), all.end(), [](const Channel& each) { return each.name == "efficiency_with_pump"; });
-        double value = 0.0;
-        found->read({workspace.observed_by(observer_, time), workspace, counters, 0, observer_}, &value);
-        values.push_back(value);
-    }
-    void transition(const TransitionRecord&) override {}
-    std::vector<double> values{};
-
-private:
-    model::Observer observer_;
-};
-
 TEST(PumpEfficiency, IsUndefinedBeforeThereIsPower) {
     Simulation simulation(hydraulic_scene("rigid"));
     settle_and_go(simulation, 0.0);
-    PumpEfficiency seen(simulation);
-    ASSERT_FALSE(simulation.advance({.until = 0.5e-3, .new_part = true}, seen, oil_uncancelled));
-    EXPECT_TRUE(std::isnan(seen.values.front())) << "no time has passed";
-    EXPECT_GT(seen.values.back(), 0.1);
-    EXPECT_LT(seen.values.back(), 1.0);
+    const auto all = channels();
+    const auto efficiency = std::ranges::find(all, "efficiency_with_pump", &Channel::name);
+    model::Observer observer(simulation.workspace().variator);
+    std::vector<double> values;
+    Outputs seen([&](double time, const Workspace& workspace, const Counters& counters) {
+        efficiency->read({workspace.observed_by(observer, time), workspace, counters, 0, observer}, &values.emplace_back());
+    });
+    ASSERT_FALSE(simulation.advance({.until = 0.5e-3, .new_part = true}, seen, engine::Cancellation()));
+    EXPECT_TRUE(std::isnan(values.front())) << "no time has passed";
+    EXPECT_GT(values.back(), 0.1);
+    EXPECT_LT(values.back(), 1.0);
 }
 
 class SimulationHydraulics : public testing::TestWithParam<std::string> {};
@@ -132,8 +111,6 @@ TEST(SimulationHydraulicsByPressure, ASavedStateStartsCylindersWithTheForcesThat
     EXPECT_NEAR(inputs_of(other).clamping[1], 4000.0, 1e-3);
     EXPECT_NEAR(inputs_of(other).clamping[0], 5000.0, 1e-3);
 }
-
-TEST(SimulationHydraulicsByPressure, CannotBeTuned) { EXPECT_THROW(Tuner(hydraulic_scene("fine"), {}, oil_uncancelled), SceneError); }
 
 }  // namespace
 }  // namespace cvtflow::tasks

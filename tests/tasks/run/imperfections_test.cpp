@@ -15,13 +15,9 @@
 namespace cvtflow::tasks {
 namespace {
 
-Scene imperfect_scene(const std::string& detail, std::vector<std::string> more) {
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
-    apply_detail(scene, detail);
-    std::vector<std::string> settings{"start.settling_time=6 ms", "start.ramp_time=3 ms", "run.method=auto", "run.output_interval=50 us"};
-    settings.insert(settings.end(), more.begin(), more.end());
-    set_values(scene, settings);
-    return scene;
+Scene imperfect_scene(const std::string& detail, const std::vector<std::string>& more) {
+    return scene_of("tiny", detail, {"start.settling_time=6 ms", "start.ramp_time=3 ms", "run.method=auto", "run.output_interval=50 us"},
+                    more);
 }
 
 /// Force of each pin on the sheaves while it touches, and place of a movable sheave over time.

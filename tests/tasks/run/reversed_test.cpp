@@ -10,31 +10,10 @@
 #include <vector>
 
 #include "tasks/channel/channels.hpp"
-#include "tasks/scene/ready_scenes.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
-
-/// Sums of every channel of one number over the outputs.
-struct ChannelSums final : RunObserver {
-    explicit ChannelSums(const Simulation& simulation) : observer(simulation.workspace().variator) {}
-    void output(double time, const Workspace& w, const Counters& counters) override {
-        const Instant now{w.observed_by(observer, time), w, counters, 0, observer};
-        for (const Channel& channel : channels()) {
-            if (channel.width(w.variator.chain()) != 1) continue;
-            double value = 0.0;
-            channel.read(now, &value);
-            sum[channel.name] += value;
-        }
-        ++outputs;
-    }
-    void transition(const TransitionRecord&) override {}
-
-    model::Observer observer;
-    std::map<std::string_view, double> sum;
-    double outputs = 0.0;
-};
 
 /// Channels whose sign follows the sense of rotation.
 [[nodiscard]] bool turns_sign(std::string_view name) {
@@ -63,17 +42,28 @@ struct ChannelSums final : RunObserver {
 
 class Reversed : public testing::TestWithParam<const char*> {
 protected:
+    /// Means of every channel of one number over the outputs.
     static std::map<std::string_view, double> means(const std::string& sign, double until) {
-        Scene scene = read_scene(find_scene("baseline"), StartState::ignored);
-        apply_detail(scene, GetParam());
-        set_values(scene, std::vector<std::string>{"start.state=", "start.settling_time=40 ms", "drive.speed=" + sign + "2000 rpm",
-                                                   "load.torque=" + sign + "150", "drag.driving_seals=0.5", "run.output_interval=20 us",
-                                                   "guide.stiffness=1e6", "guide.clearance=0"});
-        Simulation simulation(scene);
-        ChannelSums sums(simulation);
-        settle_and_go(simulation, until, sums);
-        for (auto& [name, value] : sums.sum) value /= sums.outputs;
-        return sums.sum;
+        Simulation simulation(
+            scene_of("baseline", GetParam(),
+                     {"start.settling_time=40 ms", "drive.speed=" + sign + "2000 rpm", "load.torque=" + sign + "150",
+                      "drag.driving_seals=0.5", "run.output_interval=20 us", "guide.stiffness=1e6", "guide.clearance=0"}));
+        model::Observer observer(simulation.workspace().variator);
+        std::map<std::string_view, double> sum;
+        double outputs = 0.0;
+        Outputs summed([&](double time, const Workspace& w, const Counters& counters) {
+            const Instant now{w.observed_by(observer, time), w, counters, 0, observer};
+            for (const Channel& channel : channels()) {
+                if (channel.width(w.variator.chain()) != 1) continue;
+                double value = 0.0;
+                channel.read(now, &value);
+                sum[channel.name] += value;
+            }
+            ++outputs;
+        });
+        settle_and_go(simulation, until, summed);
+        for (auto& [name, value] : sum) value /= outputs;
+        return sum;
     }
     static void expect_mirrored(double until, double tolerance) {
         const auto forward = means("", until), backward = means("-", until);
@@ -96,11 +86,8 @@ INSTANTIATE_TEST_SUITE_P(DeepHalves, Reversed, testing::Values("fine"));
 /// The force would run into its limit within 100 ms with the feedback of the other sense of rotation.
 TEST(ReversedControl, HoldsTheRatio) {
     for (const char* gains : {"given", "found"}) {
-        Scene scene = read_scene(find_scene("control"), StartState::ignored);
-        apply_detail(scene, "rigid");
-        set_values(scene, std::vector<std::string>{"start.state=", "drive.speed=-2000 rpm", "load.torque=-150",
-                                                   std::string("control.gains=") + gains});
-        Simulation simulation(scene);
+        Simulation simulation(
+            scene_of("control", "rigid", {"drive.speed=-2000 rpm", "load.torque=-150", std::string("control.gains=") + gains}));
         settle_and_go(simulation, 0.1);
         model::Observer observer(simulation.workspace().variator);
         const model::Observation& now = simulation.workspace().observed_by(observer, simulation.time());

@@ -5,28 +5,14 @@
 #include <vector>
 
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/ready_scenes.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
-Scene controlled_scene(std::vector<std::string> settings = {}) {
-    Scene scene = read_scene(find_scene("control"), StartState::ignored);
-    settings.emplace_back("control.gains=found");
-    set_values(scene, settings);
-    return scene;
-}
+Scene controlled_scene(const std::vector<std::string>& settings = {}) { return scene_of("control", "", settings, {"control.gains=found"}); }
 
 double proportional(const std::vector<std::string>& settings) { return controlled_scene(settings).parameters.control.proportional; }
-
-std::string refused(Scene scene, const std::vector<std::string>& settings) {
-    try {
-        set_values(scene, settings);
-    } catch (const SceneError& error) {
-        return error.what();
-    }
-    return "";
-}
 
 /// The speed at which the ratio follows its force decides from 2000 rpm on, 60/s: equation of section 8.
 TEST(FoundGains, LetTheRatioFollowAsFastAtEverySpeedThatPermitsIt) {
@@ -79,14 +65,14 @@ TEST(FoundGains, AreFoundWhereASceneIsReadAndFollowItsChanges) {
 }
 
 TEST(FoundGains, AreRefusedBesideGivenOnesAndWithoutAForce) {
-    EXPECT_EQ(refused(controlled_scene(), {"control.proportional=2 MN"}),
-              "--set control.proportional=2 MN: control.proportional: follows from control.gains = \"found\"; remove one of both");
-    EXPECT_EQ(refused(controlled_scene(), {"control.integral=1 N/s"}),
-              "--set control.integral=1 N/s: control.integral: follows from control.gains = \"found\"; remove one of both");
-    EXPECT_EQ(refused(controlled_scene(), {"clamping.driven=0"}),
-              "--set clamping.driven=0: control.gains: \"found\" requires a clamping force of shaft 2 at t = 0 (clamping.driven, or "
-              "clamping.safety and a load)");
-    EXPECT_EQ(refused(controlled_scene(), {"clamping.driven=0", "clamping.safety=1.3"}), "") << "150 N·m require 19.5 kN";
+    for (const auto& [setting, message] : {
+             std::pair{"control.proportional=2 MN", "control.proportional: follows from control.gains = \"found\"; remove one of both"},
+             {"control.integral=1 N/s", "control.integral: follows from control.gains = \"found\"; remove one of both"},
+             {"clamping.driven=0",
+              "control.gains: \"found\" requires a clamping force of shaft 2 at t = 0 (clamping.driven, or clamping.safety and a load)"},
+         })
+        EXPECT_EQ(message_of_settings(controlled_scene(), {setting}), std::string("--set ") + setting + ": " + message);
+    EXPECT_EQ(message_of_settings(controlled_scene(), {"clamping.driven=0", "clamping.safety=1.3"}), "") << "150 N·m require 19.5 kN";
 }
 
 /// A record of another version of the program states the gains that acted.

@@ -17,6 +17,7 @@
 #include <new>
 #include <random>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -65,37 +66,14 @@ protected:
     Tally* tally_;
 };
 
-constexpr std::string_view odd_tokens[] = {"[",
-                                           "]",
-                                           "[[",
-                                           "\"",
-                                           "'''",
-                                           "\"\"\"",
-                                           "=",
-                                           "{",
-                                           "}",
-                                           ",",
-                                           ".",
-                                           "#",
-                                           "\\",
-                                           "\n",
-                                           "\r",
-                                           "\t",
-                                           "\xef\xbb\xbf",
-                                           "\xff",
-                                           "\xc3",
-                                           "\\u0000",
-                                           "\\U0010ffff",
-                                           "true",
-                                           "1979-05-27",
-                                           "a.b.c.d=1",
-                                           "[chain]",
-                                           "{a={a={a=1}}}",
-                                           "[[[[[[1]]]]]]",
-                                           "\"1 kN\"",
-                                           "\"µm\"",
-                                           "inf",
-                                           "start.state"};
+std::vector<std::string> odd_tokens() {
+    std::vector<std::string> tokens{"\n", "\r", "\t", "\xef\xbb\xbf", "\xff", "\xc3", "\"1 kN\""};
+    std::istringstream words(
+        R"([ ] [[ " ''' """ = { } , . # \ \u0000 \U0010ffff true 1979-05-27 a.b.c.d=1 [chain] {a={a={a=1}}} [[[[[[1]]]]]]
+                                "µm" inf start.state)");
+    tokens.insert(tokens.end(), std::istream_iterator<std::string>(words), {});
+    return tokens;
+}
 constexpr std::string_view odd_numbers[] = {
     "0",   "-1",  "1e309", "-1e309", "nan",   "inf", "1e-320",      "9223372036854775807", "9223372036854775808",
     "0x1", "1_0", "0b1",   "1e",     "1.2.3", "-0",  "1e999999999", "\"1e300 m\"",         "99999999999999999999999"};
@@ -120,7 +98,11 @@ void SceneMutant::change(std::string& text, TextMutation what, Chance& chance) {
             break;
         case TextMutation::cut: text.erase(begin, length); break;
         case TextMutation::doubled: text.insert(below(chance, text.size()), text.substr(begin, length)); break;
-        case TextMutation::token: text.insert(begin, odd_tokens[below(chance, std::size(odd_tokens))]); break;
+        case TextMutation::token: {
+            static const std::vector<std::string> tokens = odd_tokens();
+            text.insert(begin, tokens[below(chance, tokens.size())]);
+            break;
+        }
         case TextMutation::number: replace_number(text, chance); break;
         case TextMutation::line: {
             const std::size_t from = text.rfind('\n', begin) + 1, to = std::min(text.find('\n', begin), text.size());

@@ -8,12 +8,12 @@
 #include <limits>
 
 #include "tasks/method/method.hpp"
-#include "tasks/run/simulation.hpp"
 #include "tasks/schedule/schedule.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 #include "tests/sample_fixture.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -24,9 +24,8 @@ using testing::StartsWith;
 
 /// Scene with a settled state of the full chain, and transitions.
 Scene settled(const std::vector<std::string>& settings = {}, const std::string& name = "low") {
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml");
-    set_values(scene, std::vector<std::string>{"run.method=rk4", "run.step=50 ns", "run.until=60 us", "run.output_interval=20 us",
-                                               "run.state_interval=20 us"});
+    Scene scene = claims::ready_scene(
+        name, {"run.method=rk4", "run.step=50 ns", "run.until=60 us", "run.output_interval=20 us", "run.state_interval=20 us"});
     set_values(scene, settings);
     return scene;
 }
@@ -59,10 +58,8 @@ struct RunnerOutcome {
 };
 
 RunnerOutcome runner_outcome(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options) {
-    SilentObserver quiet;
-    const engine::Cancellation never;
     Simulation simulation(scene, candidates, options);
-    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, quiet, never));
+    EXPECT_FALSE(go(simulation, {.until = scene.run.until}));
     return {simulation.hash(), simulation.counters(), simulation.integrator().runner().pause_count(),
             simulation.integrator().runner().repartition_count()};
 }
@@ -94,18 +91,16 @@ TEST(ScheduleRunner, BordersFollowTheLinksThatTouch) {
 /// Other segments between steps leave the bits of these methods as they are.
 void expect_bits_with_changing_segments(const std::vector<std::string>& methods) {
     for (const std::string& method : methods) {
-        Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
+        Scene scene = ready_tiny();
         if (!objection_to(method, scene.parameters).empty()) continue;  // rigid pins, which are one segment
         scene.run.method = method;
         scene.run.step = 1e-8;  // within every method's stability
-        SilentObserver quiet;
-        const engine::Cancellation never;
         std::uint64_t expected = 0;
         for (const std::vector<Schedule>& candidates :
              {std::vector{Schedule{}}, std::vector{Schedule{}, Schedule{parallel, {test::assemblies().back()}, 5, 2},
                                                    Schedule{"serial", {Assembly::fused}, 24, 1}}}) {
             Simulation simulation(scene, candidates, restless());
-            EXPECT_EQ(simulation.advance({.steps = 30}, quiet, never).kind, FaultKind::max_steps) << method;
+            EXPECT_EQ(go(simulation, {.steps = 30}).kind, FaultKind::max_steps) << method;
             if (candidates.size() == 1) expected = simulation.hash();
             EXPECT_EQ(simulation.hash(), expected) << method;
             EXPECT_EQ(simulation.integrator().runner().pause_count() > 0, candidates.size() > 1);
@@ -119,25 +114,6 @@ TEST(ScheduleRunner, ChangingSegmentsBetweenStepsLeavesTheBitsOfAMethod) {
 
 TEST(NightlyScheduleRunner, ChangingSegmentsBetweenStepsLeavesTheBitsOfEveryMethod) { expect_bits_with_changing_segments(method_names()); }
 
-/// Counts allocations between outputs between which the run did not rest.
-class QuietAllocations final : public RunObserver {
-public:
-    void watch(const Simulation& simulation) { simulation_ = &simulation; }
-    void output(double, const Workspace&, const Counters&) override {
-        const long rests = simulation_->integrator().runner().pause_count(), now = engine::test::allocation_count();
-        if (outputs_ > 1 && rests == rests_) quiet_ += 1, allocations_ += now - before_;
-        ++outputs_;
-        rests_ = rests;
-        before_ = engine::test::allocation_count();
-    }
-    void transition(const TransitionRecord&) override {}
-    long quiet_ = 0, allocations_ = 0;
-
-private:
-    const Simulation* simulation_ = nullptr;
-    long outputs_ = 0, rests_ = 0, before_ = 0;
-};
-
 TEST(ScheduleRunner, AllocatesNothingBetweenRests) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     Scene scene = settled({"run.until=150 us"});
@@ -145,22 +121,28 @@ TEST(ScheduleRunner, AllocatesNothingBetweenRests) {
     ChooserOptions options = restless();
     options.window = options.turn = 2e-3;  // some outputs
     Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {parallel, {test::assemblies().back()}, 5, 2}}, options);
-    QuietAllocations counter;
-    counter.watch(simulation);
-    const engine::Cancellation never;
-    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, counter, never));
+    long outputs = 0, rests = 0, before = 0, quiet = 0, allocations = 0;
+    Outputs counter([&](double, const Workspace&, const Counters&) {  // between outputs between which the run did not rest
+        const long rests_now = simulation.integrator().runner().pause_count(), now = engine::test::allocation_count();
+        if (++outputs > 2 && rests_now == rests) {
+            ++quiet;
+            allocations += now - before;
+        }
+        rests = rests_now;
+        before = engine::test::allocation_count();
+    });
+    settle_and_go(simulation, scene.run.until, counter);
     EXPECT_GT(simulation.integrator().runner().pause_count(), 3);
-    EXPECT_GT(counter.quiet_, 10);
-    EXPECT_EQ(counter.allocations_, 0);
+    EXPECT_GT(quiet, 10);
+    EXPECT_EQ(allocations, 0);
 }
 
 TEST(ScheduleRunner, EndsWhenAskedWhileSchedulesChange) {
     Scene scene = settled();
     scene.run.max_steps = 50;
     SilentObserver quiet;
-    const engine::Cancellation never;
     Simulation simulation(scene, mixed(), restless());
-    EXPECT_EQ(simulation.advance({.until = 1.0}, quiet, never).kind, FaultKind::max_steps);
+    EXPECT_EQ(go(simulation, {.until = 1.0}).kind, FaultKind::max_steps);
     EXPECT_EQ(simulation.counters().steps, 50);
     engine::Cancellation at_once;
     at_once.request();
@@ -169,16 +151,14 @@ TEST(ScheduleRunner, EndsWhenAskedWhileSchedulesChange) {
 
 TEST(ScheduleRunner, ReportsItsChoice) {
     const Scene scene = settled();
-    SilentObserver quiet;
-    const engine::Cancellation never;
     Simulation brief(scene, std::vector<Schedule>{Schedule{}, {parallel, {Assembly::fused}, 2, 2}}, {});
-    EXPECT_EQ(brief.advance({.steps = 3, .new_part = true}, quiet, never).kind, FaultKind::max_steps);
+    EXPECT_EQ(go(brief, {.steps = 3, .new_part = true}).kind, FaultKind::max_steps);
     EXPECT_EQ(brief.integrator().runner().text(), "serial (auto; the run was too short to try others)");
     EXPECT_EQ(Simulation(scene, Schedule{parallel, {}, 5, 2}).integrator().runner().text(), parallel + ", fused, 5 segments, 2 threads");
     ChooserOptions options = restless();
     options.gain = options.min_lead = 1e9;  // nothing can bring that
     Simulation longer(scene, std::vector<Schedule>{Schedule{}, {parallel, {Assembly::fused}, 2, 2}}, options);
-    EXPECT_EQ(longer.advance({.steps = 200, .new_part = true}, quiet, never).kind, FaultKind::max_steps);
+    EXPECT_EQ(go(longer, {.steps = 200, .new_part = true}).kind, FaultKind::max_steps);
     EXPECT_THAT(longer.integrator().runner().text(),
                 AllOf(StartsWith("serial (auto: "), HasSubstr(" us per cycle, " + parallel + ", fused, 2 segments, 2 threads "),
                       HasSubstr("0 changes)")));
@@ -188,15 +168,13 @@ TEST(ScheduleRunner, TakesAnEarlyTurnAndKeepsTheBits) {
     const Scene scene = settled();
     const RunnerOutcome serial = runner_outcome(scene, {Schedule{}}, {});
     for (const bool pays : {false, true}) {
-        SilentObserver quiet;
-        const engine::Cancellation never;
         ChooserOptions options;
         options.turn = 1e-9;
         options.max_trial_share = 0.0;                              // no check, and one question
         options.meeting = std::numeric_limits<double>::infinity();  // whatever the machine is doing
         options.gain = pays ? 0.0 : 1e9;
         Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {parallel, {Assembly::fused}, 2, 2}}, options);
-        EXPECT_FALSE(simulation.advance({.until = scene.run.until}, quiet, never));
+        EXPECT_FALSE(go(simulation, {.until = scene.run.until}));
         EXPECT_EQ(simulation.hash(), serial.hash);
         EXPECT_EQ(simulation.integrator().runner().pause_count(), pays ? 3 : 2) << "to ask, after the turn, to change";
         EXPECT_THAT(simulation.integrator().runner().text(),

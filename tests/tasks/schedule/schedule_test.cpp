@@ -1,3 +1,5 @@
+/// Schedules of runs: none changes a bit, whatever the executor, assembly, segments and threads; balanced borders; threads that are usable.
+
 #include "tasks/schedule/schedule.hpp"
 
 #include <gtest/gtest.h>
@@ -9,61 +11,126 @@
 #include <set>
 
 #include "engine/executor/catalogue.hpp"
-#include "engine/method/catalogue.hpp"
-#include "tasks/run/simulation.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
+#include "tests/claims/rig_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
-#include "tests/engine/graph/graph_fixture.hpp"
 #include "tests/sample_fixture.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
+#include "tests/temporary_file_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
-
-Scene scheduled_scene(const std::string& name, const std::vector<std::string>& settings) {
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml");
-    set_values(scene, settings);
-    return scene;
-}
 
 struct Outcome {
     std::uint64_t hash;
     long transitions;
 };
 
-Outcome outcome(const Scene& scene, const Schedule& schedule) {
-    SilentObserver quiet;
-    const engine::Cancellation never;
+/// Hash at a time, after settling where the scene settles.
+Outcome outcome(const Scene& scene, const Schedule& schedule, double until) {
     Simulation simulation(scene, schedule);
-    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, quiet, never));
-    return {simulation.hash(), simulation.counters().detected};
+    long transitions = 0;
+    if (simulation.needs_settling()) {
+        EXPECT_FALSE(go(simulation, {.until = 0.0}));
+        transitions = simulation.counters().detected;
+    }
+    EXPECT_FALSE(go(simulation, {.until = until}));
+    return {simulation.hash(), transitions + simulation.counters().detected};
 }
+Outcome outcome(const Scene& scene, const Schedule& schedule) { return outcome(scene, schedule, scene.run.until); }
 
 /// Scene from a settled state, long enough for transitions.
 Scene settled(const std::string& until) {
-    return scheduled_scene(
+    return claims::ready_scene(
         "low", {"run.method=rk4", "run.step=50 ns", "run.until=" + until, "run.output_interval=20 us", "run.state_interval=20 us"});
 }
 
-/// Assemblies, segments and threads of an executor that differ.
-std::vector<Schedule> schedules_of(const engine::ExecutorRow& row) {
-    std::vector<Schedule> schedules;
-    for (const Assembly assembly : test::assemblies()) {
-        for (const auto& [segments, threads] : {std::pair{1, 1}, {2, 2}, {3, 2}, {7, 4}, {28, 2}, {84, 2}})
-            schedules.push_back({std::string(row.name), {assembly}, segments, row.parallel ? threads : 1});
-    }
-    return schedules;
-}
-
-/// Two schedules of every executor; all of them nightly.
-TEST(Schedule, EveryExecutorGivesTheSameBitsWithAnyAssemblySegmentsAndThreads) {
-    const Scene scene = settled("40 us");
-    const Outcome serial = outcome(scene, {});
-    EXPECT_GT(serial.transitions, 0) << "the run should cross transitions";
+/// Two of the assemblies, segments and threads of every executor; all of them nightly.
+std::vector<Schedule> of_every_executor() {
+    std::vector<Schedule> drawn;
     for (const engine::ExecutorRow& row : engine::executors()) {
         if (row.name.starts_with("omp")) continue;  // a contended OpenMP team takes minutes: nightly
         if (engine::test::thread_sanitizer && row.parallel && row.name != "barrier") continue;  // it sees into neither oneTBB nor OpenMP
-        for (const Schedule& schedule : cvtflow::test::sample(schedules_of(row), 2, std::string(row.name)))
-            EXPECT_EQ(outcome(scene, schedule).hash, serial.hash) << schedule.text();
+        std::vector<Schedule> all;
+        for (const Assembly assembly : test::assemblies()) {
+            for (const auto& [segments, threads] : {std::pair{1, 1}, {2, 2}, {3, 2}, {7, 4}, {28, 2}, {84, 2}})
+                all.push_back({std::string(row.name), {assembly}, segments, row.parallel ? threads : 1});
+        }
+        for (const Schedule& schedule : cvtflow::test::sample(all, 2, std::string(row.name))) drawn.push_back(schedule);
+    }
+    return drawn;
+}
+
+/// Executors, assemblies, threads and segments that differ from serial.
+std::vector<Schedule> of_several_threads() {
+    const std::string parallel = engine::test::parallel_executor;
+    std::vector<Schedule> all{{"serial", {}, 84, 1}, {parallel, {}, 3, 2}, {parallel, {}, 7, 2}};
+    if (test::has_laboratory()) all.insert(all.end(), {{"barrier", {}, 84, 2}, {"barrier", {Assembly::staged}, 5, 2}});
+    if (test::has_laboratory() && !engine::test::thread_sanitizer) all.push_back({"flow_messages", {}, 2, 2});
+    return all;
+}
+
+std::vector<Schedule> in_segments(const std::vector<int>& counts) {
+    std::vector<Schedule> all;
+    for (const int segments : counts) all.push_back({"serial", {}, segments, 1});
+    return all;
+}
+
+/// @return transitions
+long expect_the_same_bits(const Scene& scene, double until, const std::vector<Schedule>& schedules) {
+    const Outcome serial = outcome(scene, {}, until);
+    for (const Schedule& schedule : schedules) EXPECT_EQ(outcome(scene, schedule, until).hash, serial.hash) << schedule.text();
+    return serial.transitions;
+}
+
+TEST(SameBits, OnEveryExecutorWithEveryAssembly) {
+    EXPECT_GT(expect_the_same_bits(settled("40 us"), 40e-6, of_every_executor()), 0);
+    Scene with_ledger = settled("60 us");
+    with_ledger.parameters.ledger = true;
+    for (const Assembly assembly : test::assemblies())
+        expect_the_same_bits(with_ledger, 60e-6, {{engine::test::parallel_executor, {assembly, false, false}, 5, 2, true}});
+}
+
+/// Automatic steps are long here: tips come and go within one.
+TEST(SameBits, WhateverASceneHas) {
+    const std::vector<std::vector<std::string>> rows{
+        {},
+        {"run.step=auto"},
+        {"detail.stick_slip=true", "record.ledger=true"},
+        {"detail.stick_slip=true", "record.ledger=true", "run.step=auto"},
+        {"guide.stiffness=1e6 N/m", "guide.clearance=0", "guide.offset=-0.3 mm", "guide.friction_coefficient=0.5"},
+        {"imperfection.pin_length_spread=1 um", "imperfection.unbalance=1 g*m"}};
+    for (const std::vector<std::string>& row : rows) {
+        SCOPED_TRACE(testing::PrintToString(row));
+        const Scene scene = scene_of("tiny", "", {"start.settling_time=0.2 ms", "start.ramp_time=0.2 ms", "run.step=50 ns"}, row);
+        const std::vector<Schedule> schedules = in_segments(cvtflow::test::depth(std::vector{5}, std::vector{2, 3, 5, 7, 14, 24}));
+        EXPECT_GT(expect_the_same_bits(scene, 1e-5, schedules), 0);
+    }
+}
+
+/// Tips that have never touched share every lane with those that stick or slip, if these phases exist.
+TEST(SameBits, OfLeapfrogsWithFrictionInsideTheStep) {
+    for (const std::string& method : test::known_methods({"leapfrog-chebyshev", "leapfrog-sweep", "leapfrog-rkc"})) {
+        for (const std::string stick_slip : {"false", "true"}) {
+            SCOPED_TRACE(method + ", " + stick_slip);
+            expect_the_same_bits(
+                claims::ready_scene("baseline", {"run.method=" + method, "run.step=1.5us", "detail.stick_slip=" + stick_slip}), 60e-6,
+                of_several_threads());
+        }
+    }
+}
+
+TEST(SameBits, AtEveryLevelOfDetail) {
+    std::vector<Schedule> schedules = in_segments({2, 5, 9});
+    schedules.push_back({"flow", {}, 4, 2});
+    for (const std::string& level : cvtflow::test::depth(std::vector{claims::levels().front()}, claims::levels())) {
+        for (const auto& [method, step] : {std::pair{"rk4", "50ns"}, {"leapfrog-chebyshev", "500ns"}}) {
+            SCOPED_TRACE(level + ", " + method);
+            const Scene scene = claims::scene_at_level("tiny", level,
+                                                       {"start.settling_time=300us", "start.ramp_time=300us", "detail.stick_slip=true",
+                                                        std::string("run.method=") + method, std::string("run.step=") + step});
+            EXPECT_GT(expect_the_same_bits(scene, 200e-6, schedules), 0);
+        }
     }
 }
 
@@ -90,27 +157,6 @@ TEST_P(NightlySchedule, EveryAssemblySegmentsAndThreadsGiveTheSameBitsOverALonge
 
 INSTANTIATE_TEST_SUITE_P(Executors, NightlySchedule, testing::ValuesIn(engine::executors()),
                          [](const auto& info) { return std::string(info.param.name); });
-
-TEST(Schedule, PartitionLedgerAndSerialPartsDoNotChangeTheBits) {
-    Scene scene = settled("60 us");
-    scene.parameters.ledger = true;
-    const Outcome serial = outcome(scene, {});
-    for (const Assembly assembly : test::assemblies()) {
-        const Schedule balanced{engine::test::parallel_executor, {assembly, false, false}, 5, 2, true};
-        EXPECT_EQ(outcome(scene, balanced).hash, serial.hash);
-    }
-}
-
-TEST(StepGraph, NoAssemblyRaces) {
-    const Scene scene = settled("60 us");
-    for (const int segments : {1, 2, 3, 7, 84}) {
-        const Workspace workspace(scene.parameters, *engine::find_method("rk4"), Partition::equal(84, segments));
-        for (const Assembly assembly : test::assemblies()) {
-            EXPECT_TRUE(engine::race_check(step_graph(workspace, {assembly})).empty());
-            EXPECT_TRUE(engine::race_check(step_graph(workspace, {assembly, false, true})).empty());
-        }
-    }
-}
 
 TEST(Schedule, BalancedSegmentsCostAboutTheSame) {
     const int links = 84;
@@ -157,7 +203,8 @@ TEST(UsableThreads, AreNoMoreThanABatchSystemGrants) {
 }
 
 TEST(UsableThreads, AreNoMoreThanTheQuotaOfAnyGroupAround) {
-    const std::filesystem::path root = testing::TempDir() + "quota";
+    const tests::TemporaryFolder folder("quota");
+    const std::filesystem::path root = folder / "";
     std::filesystem::create_directories(root / "outer" / "inner");
     const auto write = [&](const char* name, const char* text) { std::ofstream(root / name) << text << "\n"; };
     write("membership", "1:name=systemd:/elsewhere\n0::/outer/inner");
@@ -168,7 +215,6 @@ TEST(UsableThreads, AreNoMoreThanTheQuotaOfAnyGroupAround) {
     EXPECT_EQ(quota_processors(root, root / "membership"), 3);
     write("outer/inner/cpu.max", "50000 100000");
     EXPECT_EQ(quota_processors(root, root / "membership"), 1);  // half a processor is one thread
-    std::filesystem::remove_all(root);
 }
 
 TEST(Schedule, AnUnknownExecutorIsRefused) {

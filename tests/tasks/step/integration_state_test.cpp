@@ -2,9 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <unistd.h>
-
-#include <filesystem>
+#include <functional>
 #include <limits>
 
 #include "tasks/method/method.hpp"
@@ -12,20 +10,18 @@
 #include "tasks/run/simulation.hpp"
 #include "tests/sample_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
+#include "tests/temporary_file_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
 const engine::Cancellation never;
 
-Scene tiny() {
-    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
-    scene.parameters.start.settling_time = 2e-5;
-    scene.parameters.start.ramp_time = 1e-5;
-    scene.run.until = 2e-5;
-    scene.run.output_interval = 5e-6;
-    scene.run.schedule = "serial";
-    return scene;
+Scene tiny(const std::vector<std::string>& settings = {}) {
+    return scene_of(
+        "tiny", "",
+        {"start.settling_time=20 us", "start.ramp_time=10 us", "run.until=20 us", "run.output_interval=5 us", "run.schedule=serial"},
+        settings);
 }
 
 /// Pauses at every output but the first; counts and hashes outputs and transitions.
@@ -62,7 +58,8 @@ Course undisturbed(const Scene& scene) {
 
 /// Throws the simulation away at every output; another one continues from a checkpoint on disk.
 Course from_file_to_file(const Scene& scene, int segments) {
-    const std::string file = (std::filesystem::temp_directory_path() / ("cvtflow_checkpoint_" + std::to_string(getpid()) + ".h5")).string();
+    const tests::TemporaryFile place("checkpoint");
+    const std::string& file = place.path();
     Pauser observer(true);
     Course course{};
     IntegrationState at;
@@ -92,7 +89,6 @@ Course from_file_to_file(const Scene& scene, int segments) {
         EXPECT_EQ(read.integration.hash(), checkpoint.integration.hash());
         at = read.integration;
     }
-    std::filesystem::remove(file);
     course.times = observer.times;
     course.transitions = observer.transitions;
     return course;
@@ -124,17 +120,12 @@ TEST(IntegrationState, OfAMethodContinuesFromACheckpointBitForBit) {
 TEST(NightlyIntegrationState, OfEveryMethodContinuesFromACheckpointBitForBit) { expect_the_same_course(method_names()); }
 
 TEST(IntegrationState, ContinuesWithStickAndSlipLedgerAndControl) {
-    Scene scene = tiny();
-    scene.parameters.detail.stick_slip = true;
-    scene.parameters.ledger = true;
-    scene.parameters.control.enabled = true;
+    const Scene scene = tiny({"detail.stick_slip=true", "record.ledger=true", "control.enabled=true"});
     EXPECT_EQ(from_file_to_file(scene, 5), undisturbed(scene));
 }
 
 TEST(IntegrationState, OfAnotherSizeIsRefused) {
-    Scene other = tiny();
-    other.parameters.detail.pulleys = model::PulleyDetail::rigid;
-    const Simulation small(other);
+    const Simulation small(tiny({"detail.pulleys=rigid"}));
     Simulation simulation(tiny());
     EXPECT_THROW(simulation.restore(small.integration_state()), SimulationError);
 }
@@ -148,10 +139,11 @@ IntegrationState midway(const Scene& scene) {
 }
 
 TEST(IntegrationState, WithLessThanItsMethodRemembersIsRefused) {
-    for (const std::string& method : test::known_methods({"dopri54", "dumka3", "leapfrog-chebyshev", "leapfrog-sweep", "fitted",
-                                                          "leapfrog-rkc", "trapezoidal-broyden", "trapezoidal-frozen"})) {
+    for (const std::string& method : test::known_methods({"dopri54", "dumka3", "leapfrog-chebyshev", "leapfrog-sweep", "leapfrog-rigid",
+                                                          "fitted", "leapfrog-rkc", "trapezoidal-broyden", "trapezoidal-frozen"})) {
         Scene scene = tiny();
-        scene.run.method = method;
+        if (method == "leapfrog-rigid") apply_detail(scene, "rigid");
+        set_value(scene, "run.method=" + method);
         const IntegrationState whole = midway(scene);
         for (const std::size_t kept : {std::size_t{1}, std::size_t{2}, std::size_t{5}, whole.method.size() / 2, whole.method.size() - 1}) {
             if (kept == 0 || kept >= whole.method.size()) continue;
@@ -169,21 +161,22 @@ TEST(IntegrationState, WithLessThanItsMethodRemembersIsRefused) {
 TEST(IntegrationState, ThatCannotBeIsRefused) {
     const IntegrationState good = midway(tiny());
     ASSERT_EQ(good.invalid_reason(), nullptr);
-    const auto refused = [&](const auto& change) {
+    const std::function<void(IntegrationState&)> changes[] = {
+        [](IntegrationState& s) { s.grid_number = -1; },
+        [](IntegrationState& s) { s.counters.steps = std::numeric_limits<long>::max(); },
+        [](IntegrationState& s) { s.outputs += 10; },
+        [](IntegrationState& s) { s.phases[3] = static_cast<model::Phase>(4); },
+        [](IntegrationState& s) { s.time = std::numeric_limits<double>::quiet_NaN(); },
+        [](IntegrationState& s) { s.output_interval = 0.0; },
+        [](IntegrationState& s) { s.step = std::numeric_limits<double>::infinity(); },
+        [](IntegrationState& s) { s.step = 1e-300; }};  // output_interval / step is counted
+    for (const auto& change : changes) {
         IntegrationState bad = good;
         change(bad);
         Simulation simulation(tiny());
         EXPECT_THROW(simulation.restore(bad), SimulationError);
         EXPECT_NE(bad.invalid_reason(), nullptr);
-    };
-    refused([](IntegrationState& s) { s.grid_number = -1; });
-    refused([](IntegrationState& s) { s.counters.steps = std::numeric_limits<long>::max(); });
-    refused([](IntegrationState& s) { s.outputs += 10; });
-    refused([](IntegrationState& s) { s.phases[3] = static_cast<model::Phase>(4); });
-    refused([](IntegrationState& s) { s.time = std::numeric_limits<double>::quiet_NaN(); });
-    refused([](IntegrationState& s) { s.output_interval = 0.0; });
-    refused([](IntegrationState& s) { s.step = std::numeric_limits<double>::infinity(); });
-    refused([](IntegrationState& s) { s.step = 1e-300; });  // output_interval / step is counted
+    }
 }
 
 TEST(Simulation, ResetIsANewOne) {
@@ -219,10 +212,9 @@ TEST(RunHistory, ComesBackWhole) {
     checkpoint.history.wall = 3.0;
     checkpoint.history.settling_wall = 2.0;
     sign(checkpoint, scene, simulation.workspace().variator);
-    const std::string file = (std::filesystem::temp_directory_path() / ("cvtflow_history_" + std::to_string(getpid()) + ".h5")).string();
-    write_checkpoint(file, checkpoint);
-    EXPECT_EQ(read_checkpoint(file).history, checkpoint.history);
-    std::filesystem::remove(file);
+    const tests::TemporaryFile file("history");
+    write_checkpoint(file.path(), checkpoint);
+    EXPECT_EQ(read_checkpoint(file.path()).history, checkpoint.history);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "tests/tasks/tiny_fixture.hpp"
+#include "tests/temporary_file_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -16,8 +17,6 @@ const engine::Cancellation not_cancelled;
 
 class TunedScenes : public testing::Test {
 protected:
-    TunedScenes() : folder_(fs::path(testing::TempDir()) / ("tuned_" + std::to_string(reinterpret_cast<std::uintptr_t>(this)))) {}
-    ~TunedScenes() override { fs::remove_all(folder_); }
     static TuneSettings settings(double accuracy = 0.2) {
         TuneSettings made;
         made.accuracy = accuracy;
@@ -32,7 +31,8 @@ protected:
         }
         return {};
     }
-    fs::path folder_;
+    const tests::TemporaryFolder place_{"tuned"};
+    const fs::path folder_ = place_ / "kept";
 };
 
 TEST_F(TunedScenes, AreMeasuredOnceAndKeptByContent) {
@@ -130,14 +130,8 @@ TEST_F(TunedScenes, SayWhatWasNearestWhereNothingIsAccurateEnough) {
     result.choices[0] = {
         .choice = {"fine", "rk4"}, .tried = true, .errors = {0.3}, .worst = "start", .outcome = "slip off by 30 % at start"};
     result.choices[1].outcome = "budget used up";
-    try {
-        static_cast<void>(tuned_text(test::settled_tiny(), result, ""));
-        FAIL();
-    } catch (const AccuracyError& error) {
-        EXPECT_STREQ(error.what(),
-                     "tiny: no tried choice is within 1 % (with a margin of 2); nearest: fine, rk4, automatic step: slip off by 30 % at "
-                     "start");
-    }
+    EXPECT_EQ(message_of<AccuracyError>([&] { return tuned_text(test::settled_tiny(), result, ""); }),
+              "tiny: no tried choice is within 1 % (with a margin of 2); nearest: fine, rk4, automatic step: slip off by 30 % at start");
 }
 
 TEST_F(TunedScenes, AsFilesAreScenesThatSayWhereTheyComeFrom) {

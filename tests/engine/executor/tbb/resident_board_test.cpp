@@ -27,29 +27,54 @@ struct BoardCase {
     /// Adds a task to the last cycle, or to a new one.
     int add(int cycle, const std::vector<int>& predecessors);
 };
-/// Widths of the levels of one cycle, every task waiting for all of the level before; run `times` times.
-[[nodiscard]] BoardCase layers(const std::vector<int>& widths, std::size_t times);
-/// Two cycles in turns: of a task, and of two tasks and one behind them.
-[[nodiscard]] BoardCase turns();
 
 /// Each task writes one cell and reads those of its predecessors and of the controller, which reads all cells and writes one:
 /// whatever runs too early, twice, or without seeing what it should is a race or is counted.
 class BoardScenario : public Scenario, public Controller {
 public:
-    [[nodiscard]] std::string fault() final;
-    int next() noexcept final;
+    [[nodiscard]] std::string fault() final {
+        const std::string wrong = wrong_;
+        return wrong.empty() && !over_ ? "cycles are missing:" : wrong;
+    }
+    int next() noexcept final {
+        for (const int task : what_.graph.topological(cycle())) {
+            Interleavings::memory().touch(task, false);
+            if (epochs_[static_cast<std::size_t>(task)] != epoch_) wrong_ = "the controller was asked before all tasks had run:";
+        }
+        Interleavings::memory().touch(controller(), true);
+        if (over_) wrong_ = "the controller was asked after it had said stop:";
+        over_ = left_ == 0;
+        if (over_) return stop;
+        --left_;
+        ++epoch_;
+        return cycle();
+    }
     /// Body of all tasks; the context of their run is the scenario.
     static void body(void* scenario, int task) noexcept { static_cast<BoardScenario*>(scenario)->run_task(task); }
 
 protected:
-    explicit BoardScenario(const BoardCase& what);
+    explicit BoardScenario(const BoardCase& what)
+        : run_(what.graph, this, *this, nullptr), what_(what), left_(what.cycles.size() - 1), epochs_(what.before.size()) {
+        for (std::size_t cell = 0; cell <= what.before.size(); ++cell) static_cast<void>(Interleavings::memory().add_cell());
+    }
     Run run_;
     const BoardCase& what_;
 
 private:
     [[nodiscard]] int controller() const { return static_cast<int>(what_.before.size()); }
     [[nodiscard]] int cycle() const { return what_.cycles[static_cast<std::size_t>(epoch_ - 1)]; }
-    void run_task(int task) noexcept;
+    void run_task(int task) noexcept {
+        Interleavings::memory().touch(controller(), false);
+        if (what_.graph.task(task).cycle != cycle()) wrong_ = "a task of another cycle ran:";
+        for (const int before : what_.before[static_cast<std::size_t>(task)]) {
+            Interleavings::memory().touch(before, false);
+            if (epochs_[static_cast<std::size_t>(before)] != epoch_) wrong_ = "a task ran before its predecessor:";
+        }
+        Interleavings::memory().touch(task, true);
+        long& epoch = epochs_[static_cast<std::size_t>(task)];
+        if (epoch == epoch_) wrong_ = "a task ran twice:";
+        epoch = epoch_;
+    }
 
     std::size_t left_;
     std::vector<long> epochs_;  ///< [task] in which it ran last
@@ -83,6 +108,7 @@ int BoardCase::add(int cycle, const std::vector<int>& predecessors) {
     return task;
 }
 
+/// Widths of the levels of one cycle, every task waiting for all of the level before; run `times` times.
 BoardCase layers(const std::vector<int>& widths, std::size_t times) {
     BoardCase result{"layers", std::vector<int>(times, 0)};
     std::vector<int> before;
@@ -97,6 +123,7 @@ BoardCase layers(const std::vector<int>& widths, std::size_t times) {
     return result;
 }
 
+/// Two cycles in turns: of a task, and of two tasks and one behind them.
 BoardCase turns() {
     BoardCase result{"turns", {1, 0}};
     result.add(0, {});
@@ -104,42 +131,6 @@ BoardCase turns() {
     result.add(1, {one, other});
     result.graph.freeze();
     return result;
-}
-
-BoardScenario::BoardScenario(const BoardCase& what)
-    : run_(what.graph, this, *this, nullptr), what_(what), left_(what.cycles.size() - 1), epochs_(what.before.size()) {
-    for (std::size_t cell = 0; cell <= what.before.size(); ++cell) static_cast<void>(Interleavings::memory().add_cell());
-}
-
-std::string BoardScenario::fault() {
-    const std::string wrong = wrong_;
-    return wrong.empty() && !over_ ? "cycles are missing:" : wrong;
-}
-
-int BoardScenario::next() noexcept {
-    for (const int task : what_.graph.topological(cycle())) {
-        Interleavings::memory().touch(task, false);
-        if (epochs_[static_cast<std::size_t>(task)] != epoch_) wrong_ = "the controller was asked before all tasks had run:";
-    }
-    Interleavings::memory().touch(controller(), true);
-    if (over_) wrong_ = "the controller was asked after it had said stop:";
-    over_ = left_ == 0;
-    if (over_) return stop;
-    --left_, ++epoch_;
-    return cycle();
-}
-
-void BoardScenario::run_task(int task) noexcept {
-    Interleavings::memory().touch(controller(), false);
-    if (what_.graph.task(task).cycle != cycle()) wrong_ = "a task of another cycle ran:";
-    for (const int before : what_.before[static_cast<std::size_t>(task)]) {
-        Interleavings::memory().touch(before, false);
-        if (epochs_[static_cast<std::size_t>(before)] != epoch_) wrong_ = "a task ran before its predecessor:";
-    }
-    Interleavings::memory().touch(task, true);
-    long& epoch = epochs_[static_cast<std::size_t>(task)];
-    if (epoch == epoch_) wrong_ = "a task ran twice:";
-    epoch = epoch_;
 }
 
 }  // namespace cvtflow::engine::test
@@ -167,37 +158,21 @@ private:
     int comers_;
 };
 
-TEST(ResidentBoard, AnyNumberOfWorkersFinishesEverything) {
-    for (const int threads : {1, 2, 3, 4, 8}) {
-        for (int comers = 1; comers <= threads; ++comers) {
-            BoardExecutor board(threads, comers);
-            World world(mixed_cycles());
-            world.run(board, 500);
-            EXPECT_EQ(world.faults(), 0) << comers << " of " << threads;
-            EXPECT_EQ(world.hash(), test::serial_hash(mixed_cycles(), 500)) << comers << " of " << threads;
-        }
-    }
-}
-
-TEST(ResidentBoard, WorkersMayComeLate) {
-    BoardExecutor board(4, 4);
-    World world({{9}, {3, 1, 5}});
-    world.task_time(20000);  // threads that begin find the run well under way
-    for (int repetition = 0; repetition < 20; ++repetition) {
-        world.run(board, 10);
-        EXPECT_EQ(world.faults(), 0);
-    }
-}
-
-TEST(ResidentBoard, ShortTasksOverAndOver) {
-    const std::vector<std::vector<int>> cycles{{2}, {3}};
-    for (const int threads : {2, 4}) {
-        BoardExecutor board(threads, threads);
+/// Any number of workers; also those that come late, as threads that begin find the run well under way; and short tasks over and over.
+TEST(ResidentBoard, FinishesEverythingInOrder) {
+    const auto expect_right = [](int threads, int comers, const std::vector<std::vector<int>>& cycles, long count, long task_time = 0) {
+        BoardExecutor board(threads, comers);
         World world(cycles);
-        world.run(board, 20000);
-        EXPECT_EQ(world.faults(), 0);
-        EXPECT_EQ(world.hash(), test::serial_hash(cycles, 20000));
+        world.task_time(task_time);
+        world.run(board, count);
+        EXPECT_EQ(world.faults(), 0) << comers << " of " << threads;
+        EXPECT_EQ(world.hash(), test::serial_hash(cycles, count)) << comers << " of " << threads;
+    };
+    for (const int threads : {1, 2, 3, 4, 8}) {
+        for (int comers = 1; comers <= threads; ++comers) expect_right(threads, comers, mixed_cycles(), 500);
     }
+    for (int repetition = 0; repetition < 20; ++repetition) expect_right(4, 4, {{9}, {3, 1, 5}}, 10, 20000);
+    for (const int threads : {2, 4}) expect_right(threads, threads, {{2}, {3}}, 20000);
 }
 
 using ModelBoard = ResidentBoardOn<test::ModelMachine>;

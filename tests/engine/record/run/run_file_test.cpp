@@ -76,23 +76,18 @@ TEST_F(RunFileTest, GivesBackEveryRowAcrossManyChunksAndFlushes) {
     EXPECT_EQ(reader.last("links/tension"), (std::vector<double>{9990, 9991, 9992}));
 }
 
-TEST_F(RunFileTest, ReportsInterruptedAndKeepsThePartIfItIsNotClosed) {
+TEST_F(RunFileTest, ReportsInterruptedOrWhatEndedTheRunAndKeepsThePartIfItIsNotClosed) {
     {
         RunFile file(path("out.h5"), example_contents());
         append_example(file, 3);
+        RunFile ended(path("ended.h5"), example_contents());
+        ended.set_status("fault: pin 12 left the sheave at t = 0.1 s");
     }
+    EXPECT_EQ(RunReader(path("ended.h5.part")).status(), "fault: pin 12 left the sheave at t = 0.1 s");
     EXPECT_FALSE(fs::exists(path("out.h5")));
     const RunReader reader(path("out.h5.part"));
     EXPECT_EQ(reader.status(), "interrupted");
     EXPECT_EQ(reader.channel("strand_tension"), std::vector<double>{3.0});
-}
-
-TEST_F(RunFileTest, ReportsWhatEndedTheRun) {
-    {
-        RunFile file(path("out.h5"), example_contents());
-        file.set_status("fault: pin 12 left the sheave at t = 0.1 s");
-    }
-    EXPECT_EQ(RunReader(path("out.h5.part")).status(), "fault: pin 12 left the sheave at t = 0.1 s");
 }
 
 TEST_F(RunFileTest, FlushesByItselfAfterTheGivenTime) {
@@ -237,32 +232,6 @@ std::size_t check_example(const std::string& path) {
     return reader.rows();
 }
 
-TEST_F(RunWriterTest, AFileOfAKilledRunHoldsAllRowsUpToTheLastFlush) {
-    const int child = start_child([this] {
-        RunFile file(path("out.h5"), example_contents(), {.flush_seconds = 1e9, .channel_rows = 64});
-        for (int i = 0; i < 1000; ++i) {
-            append_example(file, i);
-            append_example_state(file, i);
-        }
-        file.flush();
-        for (int i = 1000; i < 1010; ++i) {
-            append_example(file, i);
-        }
-        raise(SIGKILL);
-    });
-    EXPECT_EQ(wait_for(child), 128 + SIGKILL);
-    EXPECT_EQ(check_example(path("out.h5.part")), 1000U);
-    const RunReader reader(path("out.h5.part"));
-    EXPECT_EQ(reader.status(), "running");
-    EXPECT_EQ(reader.state_times().size(), 1000U);
-    const std::string shape = python(
-        "import h5py, sys\n"
-        "f = h5py.File(sys.argv[1], \"r\", swmr=True)\n"
-        "print(f[\"channels/links/tension\"].shape, f[\"states/y\"][-1, 0])",
-        path("out.h5.part"));
-    EXPECT_EQ(shape, "(1000, 3) 999.25\n");
-}
-
 /// A child appends and flushes as fast as it can, telling in `flushed` (a pipe) how many rows it has brought to safety.
 void write_without_end(const std::string& path, int pipe_end) {
     RunFile file({path, {.force = true}}, example_contents(), {.flush_seconds = 1e9, .channel_rows = 16});
@@ -356,33 +325,26 @@ void break_last_descriptor_of(const std::string& path) {
     }
 }
 
-TEST_F(RunWriterTest, ReportsPathReasonAndWhatIsSavedIfTheDiskIsFull) {
+TEST_F(RunWriterTest, ReportsPathReasonAndWhatIsSavedIfTheDiskIsFullAndContinuesOnceThereIsRoom) {
     const int child = start_child([this] {
-        RunFile file(path("out.h5"), example_contents(), {.flush_seconds = 1e9, .channel_rows = 100});
+        {
+            RunFile file(path("out.h5"), example_contents(), {.flush_seconds = 1e9, .channel_rows = 100});
+            limit_file_size(400'000);
+            append_until_error(file, 0, path("message"));
+        }
+        RunFile file(path("continued.h5"), example_contents(), {.flush_seconds = 1e9, .channel_rows = 100});
         limit_file_size(400'000);
-        append_until_error(file, 0, path("message"));
+        for (int i = append_until_error(file, 0, path("again")); i < 20'000; ++i) append_example(file, i);
+        file.close();
     });
     EXPECT_EQ(wait_for(child), 0);
+    EXPECT_EQ(check_example(path("continued.h5")), 20'000U) << "without loss once there is room again";
     const std::size_t rows = check_example(path("out.h5.part"));
     EXPECT_GT(rows, 1000U);
     // Room is made for 100 rows at a time; those that wait in memory are saved by the destructor, for which there is room again.
     EXPECT_EQ(read_text_file(path("message")), fmt::format("{}: cannot write: File too large; saved: {} rows up to t = {:.9g} s",
                                                            path("out.h5.part"), rows - 100, static_cast<double>(rows - 101) / 1000.0));
     EXPECT_EQ(RunReader(path("out.h5.part")).status(), "interrupted");
-}
-
-TEST_F(RunWriterTest, ContinuesWithoutLossOnceThereIsRoomAgain) {
-    const int child = start_child([this] {
-        RunFile file(path("out.h5"), example_contents(), {.flush_seconds = 1e9, .channel_rows = 100});
-        limit_file_size(400'000);
-        const int failed = append_until_error(file, 0, path("message"));
-        for (int i = failed; i < 20'000; ++i) {
-            append_example(file, i);
-        }
-        file.close();
-    });
-    EXPECT_EQ(wait_for(child), 0);
-    EXPECT_EQ(check_example(path("out.h5")), 20'000U);
 }
 
 void record_on_a_breaking_disk(const std::string& path, const std::string& message_path) {

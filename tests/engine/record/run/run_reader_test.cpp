@@ -37,30 +37,21 @@ protected:
     }
 };
 
-TEST_F(RunReaderTest, ListsChannelsAsTheyWereDeclared) {
+TEST_F(RunReaderTest, GivesChannelsTablesAttributesAndStatesAsTheyWereWritten) {
     const RunReader reader(example());
     EXPECT_EQ(reader.channels(), example_contents().channels);
     EXPECT_EQ(reader.rows(), 10U);
-}
-
-TEST_F(RunReaderTest, ListsTablesAndReadsTheirRows) {
-    const RunReader reader(example());
     EXPECT_EQ(reader.tables(), example_contents().tables);
     EXPECT_EQ(reader.table("transitions"), (std::vector<std::vector<double>>{{0.0, 80.0}, {0.5, 81.0}, {1.0, 82.0}}));
-}
-
-TEST_F(RunReaderTest, GivesAttributesWithTheirTypes) {
-    const RunReader reader(example());
     EXPECT_THAT(reader.attributes(), testing::UnorderedElementsAreArray(example_contents().attributes));
     EXPECT_EQ(attribute_value<std::string>(reader.attributes(), "absent"), nullptr);
-}
-
-TEST_F(RunReaderTest, FindsTheStates) {
-    const RunReader reader(example());
     EXPECT_EQ(reader.state_times().size(), 5U);
     EXPECT_EQ(reader.state(4), (RecordedState{0.4, {4.25, 4.5, 4.75, 5.0}, {4, 1}}));
     EXPECT_EQ(reader.state(2).time, 0.2);
     EXPECT_EQ(reader.state(0).phases, (std::vector<std::uint8_t>{0, 1}));
+    EXPECT_EQ(error_of([&] { (void)reader.channel("torque"); }), path("out.h5") + ": no channel 'torque'");
+    EXPECT_EQ(error_of([&] { (void)reader.last("torque"); }), path("out.h5") + ": no channel 'torque'");
+    EXPECT_EQ(error_of([&] { (void)reader.table("events"); }), path("out.h5") + ": no table 'events'");
 }
 
 TEST_F(RunReaderTest, ReadsARunWithoutAnything) {
@@ -83,13 +74,6 @@ TEST_F(RunReaderTest, ReadsCompressedStates) {
     }
     file.close();
     EXPECT_EQ(RunReader(path("out.h5")).state(200).state.front(), 200.25);
-}
-
-TEST_F(RunReaderTest, NamesWhatIsNotThere) {
-    const RunReader reader(example());
-    EXPECT_EQ(error_of([&] { (void)reader.channel("torque"); }), path("out.h5") + ": no channel 'torque'");
-    EXPECT_EQ(error_of([&] { (void)reader.last("torque"); }), path("out.h5") + ": no channel 'torque'");
-    EXPECT_EQ(error_of([&] { (void)reader.table("events"); }), path("out.h5") + ": no table 'events'");
 }
 
 TEST_F(RunReaderTest, ReportsWhyAFileCannotBeOpened) {

@@ -31,10 +31,16 @@ std::string reading(const std::string& name) {
     return error_of([&] { (void)read_state(name); });
 }
 
+/// States are usual, empty, large, with further numbers by name, and with texts that are longer than an object header.
 TEST_F(StateFileTest, GivesBackWhatWasWritten) {
-    write_state(path("s.h5"), example());
-    EXPECT_EQ(read_state(path("s.h5")), example());
-    EXPECT_FALSE(fs::exists(path("s.h5.part")));
+    SavedState more = example(), texts = example();
+    more.more = {{"a", {1.0, -0.0}}, {"b", {}}};
+    texts.attributes = {{"empty", std::string()}, {"scene", std::string(300'000, 'x')}};
+    for (const SavedState& saved : {example(), SavedState{}, example(200'000), more, texts}) {
+        write_state(path("s.h5"), saved);
+        EXPECT_EQ(read_state(path("s.h5")), saved);
+        EXPECT_FALSE(fs::exists(path("s.h5.part")));
+    }
 }
 
 TEST_F(StateFileTest, KeepsEveryBit) {
@@ -44,13 +50,6 @@ TEST_F(StateFileTest, KeepsEveryBit) {
     EXPECT_EQ(std::bit_cast<std::uint64_t>(back.state[0]), 0x7ff8000000000123ULL);
     EXPECT_TRUE(std::signbit(back.state[1]) && std::signbit(back.time));
     EXPECT_EQ(back.state[2], std::numeric_limits<double>::denorm_min());
-}
-
-TEST_F(StateFileTest, KeepsAnEmptyStateAndALargeOne) {
-    write_state(path("s.h5"), {});
-    EXPECT_EQ(read_state(path("s.h5")), SavedState{});
-    write_state(path("s.h5"), example(200'000));
-    EXPECT_EQ(read_state(path("s.h5")), example(200'000));
 }
 
 TEST_F(StateFileTest, MayBeWrittenByManyThreadsAtOnce) {
@@ -64,13 +63,6 @@ TEST_F(StateFileTest, MayBeWrittenByManyThreadsAtOnce) {
     writers.clear();
     for (int writer = 0; writer < 4; ++writer)
         EXPECT_EQ(read_state(path("s" + std::to_string(writer) + ".h5")), example(static_cast<std::size_t>(100 + writer)));
-}
-
-TEST_F(StateFileTest, KeepsFurtherNumbersByName) {
-    SavedState saved = example();
-    saved.more = {{"a", {1.0, -0.0}}, {"b", {}}};
-    write_state(path("s.h5"), saved);
-    EXPECT_EQ(read_state(path("s.h5")), saved);
 }
 
 TEST_F(StateFileTest, LeavesTheFormerFileIfTheDiskIsFull) {
@@ -142,14 +134,6 @@ TEST_F(StateFileTest, HashesAllThatItHolds) {
         seal_anew(path("s.h5"));
         EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": damaged: the hash of the state differs") << change;
     }
-}
-
-TEST_F(StateFileTest, KeepsTextsThatAreLongerThanAnObjectHeader) {
-    SavedState saved = example();
-    saved.attributes = {{"scene", std::string(300'000, 'x')}, {"empty", std::string()}};
-    write_state(path("s.h5"), saved);
-    std::swap(saved.attributes[0], saved.attributes[1]);
-    EXPECT_EQ(read_state(path("s.h5")), saved);
 }
 
 TEST_F(StateFileTest, H5pyReadsTheFileNaturally) {

@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
@@ -17,7 +16,8 @@
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/scene.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/temporary_file_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -27,28 +27,17 @@ using testing::HasSubstr;
 
 class SweepFile : public testing::Test {
 protected:
-    SweepFile() : folder_(std::filesystem::temp_directory_path() / ("cvtflow_sweep_" + std::to_string(getpid()))) {
-        std::filesystem::create_directory(folder_);
-    }
-    ~SweepFile() override { std::filesystem::remove_all(folder_); }
-
     void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
     [[nodiscard]] Sweep read(const std::string& text) const {
         write("s.toml", text);
-        return read_sweep(folder_ / "s.toml",
-                          [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
+        return read_sweep(folder_ / "s.toml", scene_file);
     }
     /// The error, without the folder.
     [[nodiscard]] std::string error(const std::string& text) const {
-        try {
-            (void)read(text);
-        } catch (const SceneError& error) {
-            std::string message = error.what();
-            const std::string prefix = (folder_ / "").string();
-            for (std::size_t at; (at = message.find(prefix)) != std::string::npos;) message.erase(at, prefix.size());
-            return message;
-        }
-        return "none";
+        std::string message = message_of([&] { return read(text); });
+        const std::string prefix = (folder_ / "").string();
+        for (std::size_t at; (at = message.find(prefix)) != std::string::npos;) message.erase(at, prefix.size());
+        return message.empty() ? "none" : message;
     }
     [[nodiscard]] double value(const Sweep& sweep, long number, std::string_view key) const {
         Scene scene = sweep.scene;
@@ -57,7 +46,7 @@ protected:
     }
 
     const std::string head = "[sweep]\nscene = \"tiny\"\n[outputs]\nscalars = [\"slip mean\"]\n";
-    std::filesystem::path folder_;
+    const tests::TemporaryFolder folder_{"sweep"};
 };
 
 TEST_F(SweepFile, TakesALevelOfDetailByOneRuleInItsHeadItsSettingsAndItsAxes) {
@@ -69,12 +58,6 @@ TEST_F(SweepFile, TakesALevelOfDetailByOneRuleInItsHeadItsSettingsAndItsAxes) {
     const Sweep levels = read(head + "[[axes]]\nkey = \"detail.level\"\nvalues = [\"full\", \"fine\"]\n");
     EXPECT_EQ(scene_of_case(levels, 1).parameters.detail, of_head);
     EXPECT_EQ(axis_text(*levels.axes[0].keys[0], levels.axes[0].at(1, 0)), "\"fine\"");
-}
-
-TEST_F(SweepFile, ReadsACsvThatBeginsWithAByteOrderMark) {
-    write("rows.csv", "\xEF\xBB\xBFload.torque [N*m]\r\n6\r\n7\r\n");
-    EXPECT_EQ(value(read(head + "[[axes]]\ncsv = \"rows.csv\"\n"), 1, "load.torque"), 7.0);
-    EXPECT_EQ(error(head + "[[axes]]\ncsv = \"/dev/zero\"\n"), "s.toml:6:7: axes.csv: \"/dev/zero\" cannot be read: not a regular file");
 }
 
 TEST_F(SweepFile, MultipliesItsAxesTheLastFastest) {
@@ -99,7 +82,8 @@ TEST_F(SweepFile, KeysThatFollowAVehicleFollowEachOfItsCases) {
 }
 
 TEST_F(SweepFile, ZipsKeysAndReadsCsv) {
-    write("rows.csv", "# measured\nload.torque [N*m], detail.pulleys, clamping.driven\n1, elastic, 5 kN\n2.5, rigid, \"6 kN\"\n");
+    write("rows.csv",
+          "\xEF\xBB\xBF# measured\nload.torque [N*m], detail.pulleys, clamping.driven\n1, elastic, 5 kN\n2.5, rigid, \"6 kN\"\n");
     const Sweep sweep = read(head +
                              "[[axes]]\ncsv = \"rows.csv\"\n[[axes]]\nzip = [{key = \"start.ratio\", values = [0.9, 1.1]}, {key = "
                              "\"drive.speed\", values = [\"1000 rpm\", \"2000 rpm\"]}]\n");
@@ -180,6 +164,7 @@ TEST_F(SweepFile, ReportsEveryMistakeWithItsPlace) {
     write("rows.csv", "load.torque\n1 kg\n");
     EXPECT_EQ(error(head + "[[axes]]\ncsv = \"rows.csv\"\n"),
               "s.toml:6:7: axes.csv: rows.csv:2:1: load.torque: 1 kg is a mass, expected a torque (N*m)");
+    EXPECT_EQ(error(head + "[[axes]]\ncsv = \"/dev/zero\"\n"), "s.toml:6:7: axes.csv: \"/dev/zero\" cannot be read: not a regular file");
 }
 
 TEST_F(SweepFile, ShardsHaveEveryCaseOnceAndAboutEqualCost) {
@@ -333,53 +318,41 @@ TEST(BatchProgress, PredictsByThePaceAfterEveryWorkersFirstCase) {
     EXPECT_EQ(progress.left(), 0.0);
 }
 
-/// Means over time by the trapezoidal rule.
+/// Means over time by the trapezoidal rule; parts, as the pin periods of a steady case are, and checkpoints continue them.
 TEST(Reducer, ReducesAsItsTextStates) {
     std::vector<Problem> none;
-    const std::map<std::string, double> expected{
-        {"slip mean", 2.75}, {"slip min", 1.0},      {"slip max", 4.0},    {"slip rms", std::sqrt(9.25)},
-        {"slip final", 2.0}, {"slip at 0.5 s", 4.0}, {"slip median", 2.0}, {"slip max / slip mean", 4.0 / 2.75}};
+    const std::map<std::string, double> expected{{"slip mean", 2.75},
+                                                 {"slip min", 1.0},
+                                                 {"slip max", 4.0},
+                                                 {"slip rms", std::sqrt(9.25)},
+                                                 {"slip final", 2.0},
+                                                 {"slip at 0.5 s", 4.0},
+                                                 {"slip median", 2.0},
+                                                 {"slip max / slip mean", 4.0 / 2.75},
+                                                 {"slip max / slip rms", 4.0 / std::sqrt(9.25)}};
     for (const auto& [text, value] : expected) {
         const Scalar scalar = parse_scalar(text, {}, none);
-        Reducer reducer;
-        EXPECT_TRUE(std::isnan(reducer.result(scalar)));
-        double time = 0.0;
-        for (const double number : {1.0, 4.0, 2.0}) {
-            time += 0.25;
-            for (std::size_t term = 0; term < scalar.terms.size(); ++term) reducer.add(scalar, term, time, {&number, 1});
-        }
-        EXPECT_DOUBLE_EQ(reducer.result(scalar), value) << text;
-        std::vector<double> memory;
-        reducer.save(memory);
-        Reducer resumed;
-        EXPECT_TRUE(resumed.load(memory).empty());
-        EXPECT_DOUBLE_EQ(resumed.result(scalar), value) << text << ": from a checkpoint";
-    }
-    EXPECT_TRUE(none.empty());
-}
-
-/// Pin periods of a steady case are reduced one by one.
-TEST(Reducer, OfPartsIsThatOfTheWhole) {
-    std::vector<Problem> none;
-    for (const char* text :
-         {"slip mean", "slip min", "slip max", "slip rms", "slip final", "slip at 0.5 s", "slip median", "slip max / slip rms"}) {
-        const Scalar scalar = parse_scalar(text, {}, none);
-        Reducer whole, sum, parts[3];
-        const double numbers[] = {3.0, -1.0, 4.0, 1.0, 5.0, 9.0};
-        for (std::size_t k = 0; k < std::size(numbers); ++k) {
-            const double time = 0.25 * static_cast<double>((k + 1) * (k + 2));
-            if (k == 2 || k == 4) parts[k / 2] = parts[k / 2 - 1].continued(scalar);
+        Reducer whole, resumed, sum, parts[3];
+        EXPECT_TRUE(std::isnan(whole.result(scalar)));
+        const double numbers[] = {1.0, 4.0, 2.0};
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (k > 0) parts[k] = parts[k - 1].continued(scalar);
             for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
-                whole.add(scalar, term, time, {&numbers[k], 1});
-                parts[k / 2].add(scalar, term, time, {&numbers[k], 1});
+                for (Reducer* each : {&whole, &parts[k]}) each->add(scalar, term, 0.25 * static_cast<double>(k + 1), {&numbers[k], 1});
             }
         }
+        std::vector<double> memory;
+        whole.save(memory);
+        EXPECT_TRUE(resumed.load(memory).empty());
         for (const Reducer& part : parts) sum.add(scalar, part);
         sum.add(scalar, Reducer());
-        EXPECT_DOUBLE_EQ(sum.result(scalar), whole.result(scalar)) << text;
+        EXPECT_DOUBLE_EQ(whole.result(scalar), value) << text;
+        EXPECT_DOUBLE_EQ(resumed.result(scalar), value) << text << ": from a checkpoint";
+        EXPECT_DOUBLE_EQ(sum.result(scalar), value) << text << ": of its parts";
     }
     EXPECT_TRUE(parse_scalar("slip mean / slip rms", {}, none).averages());
     EXPECT_FALSE(parse_scalar("slip mean / slip max", {}, none).averages());
+    EXPECT_TRUE(none.empty());
 }
 
 /// An efficiency has no value before there is power. Other channels that are no numbers make a case undefined.
@@ -463,12 +436,8 @@ TEST(SweepKeys, AreExplainedOneByOneByTableAndAllTogether) {
 }
 
 TEST(SweepKeys, AnUnknownOneIsAnErrorWithASuggestion) {
-    try {
-        (void)explain_sweep("sweep.axes.vlues");
-        FAIL();
-    } catch (const SceneError& error) {
-        EXPECT_STREQ(error.what(), "sweep.axes.vlues: unknown key of a sweep (did you mean \"sweep.axes.values\"?)");
-    }
+    EXPECT_EQ(message_of([] { return explain_sweep("sweep.axes.vlues"); }),
+              "sweep.axes.vlues: unknown key of a sweep (did you mean \"sweep.axes.values\"?)");
 }
 
 TEST(SweepKeys, SectionsAreThoseOfTheFile) {

@@ -1,5 +1,5 @@
-/// Leapfrogs with friction inside the step, by stages and by sweeps: the same bits for every schedule, their graphs free of races, their
-/// limits named, the forces of sweeps part of the state; and the columns of segments.
+/// Leapfrogs with friction inside the step, by stages and by sweeps: their limits named, the forces of sweeps part of the state; and the
+/// columns of segments.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,60 +15,12 @@
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
-#include "tests/engine/executor/executor_fixture.hpp"
-#include "tests/engine/graph/graph_fixture.hpp"
-#include "tests/sample_fixture.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
-using test::assemblies;
-using test::known_methods;
-
 const engine::Cancellation uncancelled;
-
-std::vector<std::string> leapfrogs() { return known_methods({"leapfrog-chebyshev", "leapfrog-sweep", "leapfrog-rkc"}); }
-
-/// Executors, assemblies, threads and segments that differ from serial.
-std::vector<Schedule> other_schedules() {
-    const std::string parallel = engine::test::parallel_executor;
-    std::vector<Schedule> all{{"serial", {}, 84, 1}, {parallel, {}, 3, 2}, {parallel, {}, 7, 2}};
-    if (test::has_laboratory()) all.insert(all.end(), {{"barrier", {}, 84, 2}, {"barrier", {Assembly::staged}, 5, 2}});
-    if (test::has_laboratory() && !engine::test::thread_sanitizer) all.push_back({"flow_messages", {}, 2, 2});
-    return all;
-}
-
-/// Tips that have never touched share every lane with those that stick or slip, if these phases exist.
-TEST(FrictionLeapfrog, GivesTheSameBitsForEverySchedule) {
-    for (const std::string& method : leapfrogs()) {
-        for (const std::string stick_slip : {"false", "true"}) {
-            const Scene scene =
-                claims::ready_scene("baseline", {"run.method=" + method, "run.step=1.5us", "detail.stick_slip=" + stick_slip});
-            const auto hash = [&](const Schedule& schedule) {
-                Simulation simulation(scene, schedule);
-                SilentObserver silent;
-                EXPECT_FALSE(simulation.advance({.until = 60e-6}, silent, uncancelled)) << method << ", " << schedule.text();
-                EXPECT_GT(simulation.counters().steps, 29);
-                return simulation.hash();
-            };
-            const std::uint64_t serial = hash({});
-            for (const Schedule& other : other_schedules()) EXPECT_EQ(hash(other), serial) << method << ", " << other.text();
-        }
-    }
-}
-
-TEST(FrictionLeapfrog, ItsGraphHasNoRaces) {
-    for (const std::string& name : leapfrogs()) {
-        const Scene scene = claims::ready_scene("baseline", {"run.method=" + name});
-        for (const int segments : cvtflow::test::depth(std::vector{1, 5}, std::vector{1, 2, 5, 84})) {
-            Workspace workspace(scene.parameters, Method(name).plan(), Partition::equal(84, segments));
-            const auto method = Method(name).make(workspace);
-            for (const Assembly assembly : assemblies())
-                EXPECT_TRUE(engine::race_check(step_graph(workspace, {.kind = assembly}, method.get())).empty()) << name << " " << segments;
-        }
-    }
-}
 
 /// Several stages are one cycle: eight levels, in which a segment waits for itself and for the two beside it.
 TEST(FrictionLeapfrog, StagesOfACycleWaitForNeighboursOnly) {
@@ -99,14 +51,10 @@ TEST(FrictionLeapfrog, FrictionTooStiffForItIsAFaultThatReportsIt) {
 
 /// The record finds transitions in the middle of a step: at its end only a tip within a micrometre of its sheave can be in another phase.
 TEST(SweepLeapfrog, TipsThatTouchAreThoseThatPenetrate) {
-    struct Seen final : RunObserver {
-        long transitions = 0;
-        void output(double, const Workspace&, const Counters&) override {}
-        void transition(const TransitionRecord&) override { ++transitions; }
-    };
     for (const char* scene : {"baseline", "overdrive"}) {
         Simulation simulation(claims::ready_scene(scene, {"run.method=leapfrog-sweep", "run.step=1us"}));
-        Seen seen;
+        long transitions = 0;
+        Outputs seen({}, [&](const TransitionRecord&) { ++transitions; });
         for (int span = 1; span <= 20; ++span) {
             ASSERT_FALSE(simulation.advance({.until = 20e-6 * span}, seen, uncancelled));
             const Workspace& w = simulation.workspace();
@@ -122,8 +70,8 @@ TEST(SweepLeapfrog, TipsThatTouchAreThoseThatPenetrate) {
                 }
             }
         }
-        EXPECT_EQ(seen.transitions, simulation.counters().detected);
-        EXPECT_GT(seen.transitions, 2) << "tips arrive and leave";
+        EXPECT_EQ(transitions, simulation.counters().detected);
+        EXPECT_GT(transitions, 2) << "tips arrive and leave";
         EXPECT_EQ(simulation.counters().truncated, 0);
     }
 }
@@ -160,12 +108,8 @@ TEST(SweepLeapfrog, LeavesRunOutThatMovesFlanksFarToOtherMethods) {
 }
 
 TEST(SweepLeapfrog, RefusesARoundedCornerOfTheLaw) {
-    try {
-        (void)claims::ready_scene("tiny", {"run.method=leapfrog-sweep", "detail.friction=smoothed"});
-        FAIL() << "not refused";
-    } catch (const SceneError& refused) {
-        EXPECT_THAT(refused.what(), testing::HasSubstr("leapfrog-sweep' requires detail.friction = \"piecewise\""));
-    }
+    EXPECT_THAT(message_of_settings(ready_tiny(), {"run.method=leapfrog-sweep", "detail.friction=smoothed"}),
+                testing::HasSubstr("leapfrog-sweep' requires detail.friction = \"piecewise\""));
 }
 
 TEST(SegmentColumns, GhostColumnsRepeatTheLinksBesideASegment) {

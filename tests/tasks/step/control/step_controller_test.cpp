@@ -17,7 +17,7 @@
 #include "tasks/step/control/step_control.hpp"
 #include "tasks/step/control/step_grid.hpp"
 #include "tests/claims/rig_fixture.hpp"
-#include "tests/tasks/tiny_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -80,65 +80,51 @@ TEST(StepControllerOutputs, ReadTheEvaluationOfALossSampleWithTheBitsOfTheirOwn)
     EXPECT_GE(shared, 3);
 }
 
+/// Rounded up: 1 µs/30 ns is 34; a third that is written in three digits is a third.
 TEST(StepControllerOutputs, ShortenTheStepSoThatItDividesTheInterval) {
-    Rig rig(tiny_parameters());
-    EXPECT_EQ(output_times(rig, {0.0, 1e-5, 3e-8, 1e-6}).size(), 11u);
-    EXPECT_EQ(rig.counters().steps - rig.counters().truncated, 10 * 34);                         // 1 µs/30 ns rounded up
-    EXPECT_GE(rig.counters().evaluations, 4 * rig.counters().steps + rig.counters().truncated);  // a cut needs the slope at the end
-}
-
-TEST(StepControllerOutputs, TakeAThirdThatIsWrittenInThreeDigits) {
-    for (const auto& [step, steps] : {std::pair{3.33e-8, 30}, std::pair{3.32e-8, 31}, std::pair{1.11e-7, 9}, std::pair{1.1e-7, 10},
-                                      std::pair{5e-10, 2000}, std::pair{9.985e-9, 101}}) {
+    for (const auto& [step, steps] : {std::pair{3e-8, 34}, std::pair{3.33e-8, 30}, std::pair{3.32e-8, 31}, std::pair{1.11e-7, 9},
+                                      std::pair{1.1e-7, 10}, std::pair{5e-10, 2000}, std::pair{9.985e-9, 101}}) {
         Rig rig(tiny_parameters());
         EXPECT_EQ(output_times(rig, {0.0, 2e-6, step, 1e-6}).size(), 3u);
         EXPECT_EQ(rig.counters().steps - rig.counters().truncated, 2 * steps) << step;
+        EXPECT_GE(rig.counters().evaluations, 4 * rig.counters().steps + rig.counters().truncated);  // a cut needs the slope at the end
     }
 }
 
-/// Measures at each transition how far the tip is from its threshold, and how far it moves in a whole step.
-class CutWatcher final : public RunObserver {
-public:
-    explicit CutWatcher(const Workspace& workspace) : w_(workspace) {}
-    void output(double, const Workspace&, const Counters&) override {}
-    void transition(const TransitionRecord& event) override {
-        const model::TipIndicator& at = w_.tips.before[static_cast<std::size_t>(event.tip)];  // at the cut
-        const double miss = std::abs(w_.rule.due(event.from, event.to, at));
-        const bool by_depth = event.from == model::Phase::free || event.to == model::Phase::free;
-        by_depth ? depth_.push_back(miss) : slip_.push_back(miss);
-        EXPECT_EQ(event.pin, (event.tip / 4 + event.tip / 2 % 2) % w_.layout().links);
-        EXPECT_NE(event.from, event.to);
-        EXPECT_GE(event.time, last_);
-        last_ = event.time;
-    }
-    std::vector<double> depth_, slip_;
-
-private:
-    const Workspace& w_;
-    double last_ = -1e300;
-};
-
+/// Measures at each transition how far the tip is from its threshold.
 TEST(StepControllerTransitions, CutTheStepWhereTheTipReachesItsThreshold) {
     for (const bool stick_slip : {false, true}) {
         model::Parameters p = tiny_parameters();
         p.detail.stick_slip = stick_slip;
         Rig rig(p);
-        CutWatcher watcher(rig.workspace());
+        const Workspace& w = rig.workspace();
+        std::vector<double> depths, slips;
+        double last = -1e300;
+        Outputs watcher({}, [&](const TransitionRecord& event) {
+            const model::TipIndicator& at = w.tips.before[static_cast<std::size_t>(event.tip)];  // at the cut
+            const double miss = std::abs(w.rule.due(event.from, event.to, at));
+            const bool by_depth = event.from == model::Phase::free || event.to == model::Phase::free;
+            (by_depth ? depths : slips).push_back(miss);
+            EXPECT_EQ(event.pin, (event.tip / 4 + event.tip / 2 % 2) % w.layout().links);
+            EXPECT_NE(event.from, event.to);
+            EXPECT_GE(event.time, last);
+            last = event.time;
+        });
         const engine::Cancellation never;
         StageMethod method(rig.workspace());
         StepController controller(rig.workspace(), method, {settling_begin, settling_begin + 2e-3, 5e-8, 1e-4}, watcher, never);
         engine::Serial().run(step_graph(rig.workspace(), {}), &rig.workspace(), controller);
         ASSERT_FALSE(controller.fault());
-        ASSERT_EQ(static_cast<long>(watcher.depth_.size() + watcher.slip_.size()), controller.counters().detected);
+        ASSERT_EQ(static_cast<long>(depths.size() + slips.size()), controller.counters().detected);
         ASSERT_GT(controller.counters().truncated, 100);
-        ASSERT_EQ(watcher.slip_.empty(), !stick_slip);
+        ASSERT_EQ(slips.empty(), !stick_slip);
         // Tips close at some mm/s or faster: 1e-10 m in a step, of which 1e-3 would do. The cut is within 1e-9 of the step and 1e-17 m of
         // rounding (measured 2e-17 m and 3e-12 m/s). Transitions that were suppressed before are farther away by then.
         const auto exact = [](const std::vector<double>& misses, double limit) {
             return std::count_if(misses.begin(), misses.end(), [=](double m) { return m < limit; });
         };
-        EXPECT_GE(exact(watcher.depth_, 1e-13), static_cast<long>(watcher.depth_.size()) - controller.counters().suppressed);
-        EXPECT_GE(exact(watcher.slip_, 1e-8), static_cast<long>(watcher.slip_.size()) - controller.counters().suppressed);
+        EXPECT_GE(exact(depths, 1e-13), static_cast<long>(depths.size()) - controller.counters().suppressed);
+        EXPECT_GE(exact(slips, 1e-8), static_cast<long>(slips.size()) - controller.counters().suppressed);
     }
 }
 
@@ -196,77 +182,51 @@ void expect_good_state(Rig& rig) {
     EXPECT_FALSE(rig.run({from, from + 1e-6, 5e-8, 1e-6})) << "it can continue";
 }
 
-TEST(StepControllerBudgets, StepsAreCountedAndTheStateIsLeftGood) {
-    Rig rig(tiny_parameters());
+TEST(StepControllerBudgets, EndTheRunAndLeaveTheStateGood) {
     SilentObserver silent;
     const engine::Cancellation never;
-    Counters counters;
-    const Fault fault = run_with(rig, {settling_begin, 0.0, 5e-8, 1e-5, 137}, silent, never, &counters);
-    EXPECT_EQ(fault.kind, FaultKind::max_steps);
-    EXPECT_EQ(fault.limit, 137.0);
-    EXPECT_EQ(fault.time, rig.time());
-    EXPECT_EQ(counters.steps, 137);
-    expect_good_state(rig);
-}
-
-TEST(StepControllerBudgets, WallTimeEndsTheRunAndTheStateIsLeftGood) {
-    Rig rig(tiny_parameters());
-    SilentObserver silent;
-    const engine::Cancellation never;
-    const Fault fault = run_with(rig, {settling_begin, 10.0, 5e-8, 1e-5, 0, 0.02}, silent, never);
-    EXPECT_EQ(fault.kind, FaultKind::max_wall);
-    EXPECT_GE(fault.value, 0.02);
-    EXPECT_LT(fault.time, 0.0);
-    expect_good_state(rig);
-}
-
-class Canceller final : public RunObserver {
-public:
-    explicit Canceller(engine::Cancellation& cancel) : cancel_(cancel) {}
-    void output(double time, const Workspace&, const Counters&) override {
-        if (time >= settling_begin + 3e-6) cancel_.request();
+    for (const auto& [steps, wall] : {std::pair{137L, 0.0}, {0L, 0.02}}) {
+        Rig rig(tiny_parameters());
+        Counters counters;
+        const Fault fault = run_with(rig, {settling_begin, 10.0, 5e-8, 1e-5, steps, wall}, silent, never, &counters);
+        EXPECT_EQ(fault.kind, steps > 0 ? FaultKind::max_steps : FaultKind::max_wall);
+        EXPECT_EQ(fault.time, rig.time());
+        if (steps > 0) {
+            EXPECT_EQ(counters.steps, steps);
+            EXPECT_EQ(fault.limit, 137.0);
+        } else {
+            EXPECT_GE(fault.value, wall);
+            EXPECT_LT(fault.time, 0.0);
+        }
+        expect_good_state(rig);
     }
-    void transition(const TransitionRecord&) override {}
-
-private:
-    engine::Cancellation& cancel_;
-};
+}
 
 TEST(StepControllerBudgets, CancellingEndsTheRunBeforeTheNextStep) {
     Rig rig(tiny_parameters());
     engine::Cancellation cancel;
-    Canceller canceller(cancel);
+    Outputs canceller([&](double time, const Workspace&, const Counters&) {
+        if (time >= settling_begin + 3e-6) cancel.request();
+    });
     const Fault fault = run_with(rig, {settling_begin, 0.0, 5e-8, 1e-6}, canceller, cancel);
     EXPECT_EQ(fault.kind, FaultKind::cancelled);
     EXPECT_EQ(fault.time, settling_begin + 3 * 1e-6);
     expect_good_state(rig);
 }
 
-class Thrower final : public RunObserver {
-public:
-    explicit Thrower(bool at_transition) : at_transition_(at_transition) {}
-    void output(double time, const Workspace&, const Counters&) override {
-        if (!at_transition_ && time > settling_begin) throw std::runtime_error("disk full");
-    }
-    void transition(const TransitionRecord&) override {
-        if (at_transition_) throw std::runtime_error("disk full");
-    }
-
-private:
-    bool at_transition_;
-};
-
 TEST(StepControllerObserver, WhatItThrowsEndsTheRunAndComesOut) {
     for (const bool at_transition : {false, true}) {
         Rig rig(tiny_parameters());
-        Thrower thrower(at_transition);
+        const auto fail = [](bool now) {
+            if (now) throw std::runtime_error("disk full");
+        };
+        Outputs thrower([&](double time, const Workspace&, const Counters&) { fail(!at_transition && time > settling_begin); },
+                        [&](const TransitionRecord&) { fail(at_transition); });
         const engine::Cancellation never;
-        try {
-            static_cast<void>(run_with(rig, {settling_begin, 0.0, 5e-8, 1e-5}, thrower, never));
-            FAIL() << "nothing came out";
-        } catch (const std::runtime_error& error) {
-            EXPECT_STREQ(error.what(), "disk full");
-        }
+        EXPECT_EQ(message_of<std::runtime_error>([&] {
+                      return run_with(rig, {settling_begin, 0.0, 5e-8, 1e-5}, thrower, never);
+                  }),
+                  "disk full");
         EXPECT_LT(rig.time(), settling_begin + 1e-3);
         expect_good_state(rig);
     }
@@ -278,11 +238,14 @@ TEST(ErrorScale, MeasuresCoordinatesInMicrometresAndVelocitiesInSaturationSpeeds
     EXPECT_DOUBLE_EQ(scale.norm(errors.data(), 2), std::sqrt((9.0 + 16.0) / 4.0));
 }
 
+/// Steps that are shortened for an output do not shorten the next.
 TEST(StepSizeControl, BeginsWithTheLongestStepAndNeverExceedsIt) {
-    StepSizeControl control(1e-6, 3);
-    EXPECT_EQ(control.proposal(), 1e-6);
-    EXPECT_TRUE(control.judge(1e-9, 1e-6));
-    EXPECT_EQ(control.proposal(), 1e-6);
+    for (const double taken : {1e-6, 1e-9}) {
+        StepSizeControl control(1e-6, 3);
+        EXPECT_EQ(control.proposal(), 1e-6);
+        EXPECT_TRUE(control.judge(1e-9, taken));
+        EXPECT_EQ(control.proposal(), 1e-6);
+    }
 }
 
 TEST(StepSizeControl, RejectsTooLargeErrorsAndWhatIsNoNumber) {
@@ -306,12 +269,6 @@ TEST(StepSizeControl, FindsTheStepThatTheToleranceAllows) {
         EXPECT_LT(step, 1e-6) << power;
         EXPECT_GT(step, 0.5e-6) << power;
     }
-}
-
-TEST(StepSizeControl, AStepShortenedForAnOutputDoesNotShortenTheNext) {
-    StepSizeControl control(1e-6, 3);
-    EXPECT_TRUE(control.judge(1e-8, 1e-9));
-    EXPECT_EQ(control.proposal(), 1e-6);
 }
 
 TEST(StepSizeControl, DoesNotGrowRightAfterARejection) {
@@ -369,14 +326,16 @@ EnergyLedger sampled(double power, double rate) {
     return ledger;
 }
 
-TEST(EnergyLedger, ClosesWhereWhatIsLostWasStored) {
-    const EnergyLedger honest = sampled(300.0, -300.0);
+/// Or a hundredth of what is lost comes from nowhere: ten times the tolerance.
+TEST(EnergyLedger, ClosesWhereWhatIsLostWasStoredAndCallsTheRestUnreliable) {
+    const EnergyLedger honest = sampled(300.0, -300.0), wrong = sampled(300.0, -297.0);
     EXPECT_NEAR(honest.balance().loss, 300.0 * 4e-3, 1e-12);
     EXPECT_NEAR(honest.balance().residual(), 0.0, 1e-12);
     EXPECT_LE(honest.balance_error_ratio(), 1.0);
+    EXPECT_NEAR(wrong.balance().relative(), 0.01, 1e-9);
+    EXPECT_GT(wrong.balance_error_ratio(), 5.0);
 }
 
-/// A memory as long as ours, of a program whose fields were others.
 /// Samples 12 steps apart, outputs 50: one where an output is, none shortly before.
 TEST(EnergyLedger, SamplesLossesAtOutputsThatAreNear) {
     EnergyLedger ledger;
@@ -395,25 +354,23 @@ TEST(EnergyLedger, SamplesLossesAtOutputsThatAreNear) {
     EXPECT_EQ(sampled, (std::vector<int>{0, 12, 24, 36, 50, 62, 74, 86, 100}));
 }
 
-TEST(EnergyLedger, RefusesAMemoryOfAnotherLayout) {
-    std::vector<double> memory;
-    sampled(300.0, -300.0).save(memory);
-    EnergyLedger same, other;
-    same.load(memory, 1);
-    EXPECT_EQ(same.balance().loss, sampled(300.0, -300.0).balance().loss);
-    std::vector<double> again;
-    same.save(again);
+/// A memory may be as long as ours and of a program whose fields were others.
+TEST(EnergyLedger, ContinuesFromItsMemoryAndRefusesOneOfAnotherLayout) {
+    const EnergyLedger before = sampled(300.0, -297.0);
+    std::vector<double> memory, again;
+    before.save(memory);
+    EnergyLedger after, other;
+    after.load(memory, 1);
+    after.save(again);
     EXPECT_EQ(again, memory);
+    EXPECT_EQ(after.balance().loss, before.balance().loss);
+    EXPECT_EQ(after.balance_error_ratio(), before.balance_error_ratio());
+    again.pop_back();
+    EXPECT_THROW(other.load(again, 1), std::invalid_argument);
     ++memory.front();
     EXPECT_THROW(other.load(memory, 1), std::invalid_argument);
     memory.erase(memory.begin());
     EXPECT_THROW(other.load(memory, 1), std::invalid_argument) << "of programs before layouts";
-}
-
-TEST(EnergyLedger, CallsEnergyFromNowhereUnreliable) {
-    const EnergyLedger wrong = sampled(300.0, -297.0);  // a hundredth of what is lost comes from nowhere: ten times the tolerance
-    EXPECT_NEAR(wrong.balance().relative(), 0.01, 1e-9);
-    EXPECT_GT(wrong.balance_error_ratio(), 5.0);
 }
 
 /// Powers that grow and turn over from sample to sample, as where a step is too long for damping: as much noise as power, and nothing
@@ -440,19 +397,6 @@ TEST(EnergyLedger, NoiseExcusesNoMoreThanAHundredthOfTheLossesWhereThereAreInput
     EXPECT_GT(balance.balance_error_ratio(), 1.0);
     balance.loss = 100.6;  // no right run exceeded 0.0063
     EXPECT_LT(balance.balance_error_ratio(), 1.0);
-}
-
-TEST(EnergyLedger, ContinuesFromItsMemoryBitByBit) {
-    const EnergyLedger before = sampled(300.0, -297.0);
-    std::vector<double> memory, again;
-    before.save(memory);
-    EnergyLedger after;
-    after.load(memory, 1);
-    after.save(again);
-    EXPECT_EQ(memory, again);
-    EXPECT_EQ(after.balance_error_ratio(), before.balance_error_ratio());
-    memory.pop_back();
-    EXPECT_THROW(after.load(memory, 1), std::invalid_argument);
 }
 
 TEST(EnergyFlow, HasAnEfficiencyWhereEnergyFlows) {
