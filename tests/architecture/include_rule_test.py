@@ -14,7 +14,8 @@ from source_tree import Rules, code_only, includes_of, main, source_files
 
 # Parts of this project that a part may include.
 FRIENDS = {"model": {"model"}, "engine": {"engine"}, "tasks": {"model", "engine", "tasks"}, "api": {"model", "engine", "tasks", "api"}}
-THREAD_HEADERS = {"atomic", "barrier", "condition_variable", "future", "latch", "mutex", "semaphore", "shared_mutex", "stop_token", "thread",
+THREAD_HEADERS = {"atomic", "barrier", "condition_variable", "future", "latch", "mutex", "semaphore", "shared_mutex", "stop_token",
+                  "thread",
                   "pthread.h"}
 SYSTEM_HEADERS = {"dlfcn.h", "fcntl.h", "poll.h", "pthread.h", "sched.h", "unistd.h", "windows.h", "immintrin.h"}  # ship with the compiler
 # Floors of a part's rooms, the ground floor first; what stands on one floor does not know its neighbours.
@@ -97,7 +98,8 @@ class IncludeRule(Rules):
                   if include.quoted and include.name in hidden and not may(file, include))
 
     def test_rooms_stand_on_floors(self):
-        floor = {f"{part}/{room}": number for part, floors in FLOORS.items() for number, rooms in enumerate(floors) for room in rooms.split()}
+        floor = {f"{part}/{room}": number for part, floors in FLOORS.items()
+                 for number, rooms in enumerate(floors) for room in rooms.split()}
         files = [file for file in LIBRARY if file.part in FLOORS]
         self.none(file.path for file in files if room_of(file.path) not in floor)
         self.none(f"{where} points upwards" for file, include, where in included(files)
@@ -106,7 +108,8 @@ class IncludeRule(Rules):
 
     def test_public_headers_include_the_standard_library_and_one_another(self):
         self.none(where for file, include, where in included(file for file in LIBRARY if file.path.startswith("api/include/"))
-                  if include.quoted or third_party(include.name) or (include.name.endswith(".h") and not include.name.startswith("cvtflow/")))
+                  if include.quoted or third_party(include.name)
+                  or (include.name.endswith(".h") and not include.name.startswith("cvtflow/")))
 
     def test_threads_live_in_two_rooms(self):
         others = [file for file in LIBRARY if not file.path.startswith(("engine/executor/", "engine/thread/"))]

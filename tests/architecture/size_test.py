@@ -1,5 +1,5 @@
-"""Gates on size: files of 500 lines, functions of 40, classes of 20 methods with those of their bases, lines of 140 characters; and the scanner
-that measures functions."""
+"""Gates on size: files of 500 lines, functions of 40, classes of 20 methods with those of their bases, lines of 140 characters; and the
+scanner that measures functions."""
 
 import collections
 import os
@@ -138,7 +138,8 @@ class FunctionScanner(Rules):
         for text, lengths in (
                 ("int f() { return 1; }\n", [1]),
                 ("int f(int a,\n      int b) {\n    if (a) {\n        b = 1;\n    }\n    return b;\n}\n", [7]),
-                ("namespace a::b {\nnamespace {\nstruct S : T {\n int f() { return 1; }\n};\n}\nvoid g() {\n auto h = [] {\n };\n}\n}\n", [1, 4]),
+                ("namespace a::b {\nnamespace {\nstruct S : T {\n int f() { return 1; }\n};\n}\nvoid g() {\n auto h = [] {\n };\n}\n}\n",
+                 [1, 4]),
                 ('extern "C" {\nvoid f() {\n}\n}\n', [2]),
                 ("template <class T>\nclass C {\n    C() : a_(1) {\n    }\n};\n", [2]),
                 ("template <int W>\nrequires(W < 0) struct S<W> {\n    int f() { return 1; }\n};\n", [1]),

@@ -159,8 +159,8 @@ class LocalNames(Rules):
 
 
 class OwnSource(Rules):
-    """Functions that a header declares are defined in sources of its folder, or of folders below it. Public headers (api/include) apart, which
-    the sources of api implement."""
+    """Functions that a header declares are defined in sources of its folder, or of folders below it. Public headers (api/include) apart,
+    which the sources of api implement."""
 
     def test_functions_of_a_header_are_defined_in_its_folder_or_below(self):
         defined, seen, wrong = collections.defaultdict(set), 0, []  # folders by part and name
@@ -184,7 +184,8 @@ class OwnSource(Rules):
             "namespace a {\n[[nodiscard]] std::vector<int> free_one(int x = 3);\nstruct B {\n    explicit B(int x);\n"
             "    virtual void pure() = 0;\n    void (*pointer)(int);\n    std::function<void(int)> callable;\n"
             "    [[nodiscard]] int inside() const { return f(1); }\n    int number = g(2);\n};\nnamespace {\nvoid hidden() {}\n}\n"
-            "static void local() {}\ntemplate <class T> void generic(T);\nint B::outside(int) const { if (true) { call(); } return 0; }\n}\n")
+            "static void local() {}\ntemplate <class T> void generic(T);\nint B::outside(int) const { if (true) { call(); } return 0; "
+            "}\n}\n")
         self.assertEqual(found, [("free_one", False), ("B::B", False), ("B::inside", True), ("B::outside", True)])
 
 

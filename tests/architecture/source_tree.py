@@ -112,8 +112,8 @@ def line_of(code, position):
 
 
 def blocks(code):
-    """(text between the last ; { or } and this one, that character, its position, position where its block ends) outside functions, in their
-    order. The block of a scope ends at once: what is in it follows."""
+    """(text between the last ; { or } and this one, that character, its position, position where its block ends) outside functions, in
+    their order. The block of a scope ends at once: what is in it follows."""
     marks = [(mark.start(), mark[0]) for mark in re.finditer("[;{}]", code)]
     begin = k = 0
     while k < len(marks):

@@ -12,7 +12,8 @@ from source_tree import GIT, TOP, Rules, main, output_of, tracked_top_level
 
 # The top level is the first thing that a newcomer sees: nothing lands there by accident.
 ALLOWED = {
-    ".ci", ".clang-format", ".clang-tidy", ".gitignore", "ARCHITECTURE.md", "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "LICENSE",
+    ".ci", ".clang-format", ".clang-tidy", ".gitignore", "ARCHITECTURE.md", "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json",
+    "LICENSE",
     "README.md", "bench", "engine", "model", "scenes", "tasks", "tests", "tools",
     "CITATION.cff",  # read there by the sites that offer to cite a repository
     "CONTRIBUTING.md", "SECURITY.md",  # where contributors expect them
@@ -65,7 +66,8 @@ class Release(Rules):
     def test_a_new_version_is_written_into_all_of_them(self):
         self.assertEqual(self.release("12.34.56"), (0, "12.34.56\n"))
         self.assertEqual(self.release()[0], 0)
-        for file, words in (("CMakeLists.txt", r"project\(cvtflow VERSION 12.34.56 "), ("debian/changelog", r"\Acvtflow \(12.34.56\) unstable"),
+        for file, words in (("CMakeLists.txt", r"project\(cvtflow VERSION 12.34.56 "), ("debian/changelog", r"\Acvtflow \(12.34.56\) "
+                                                                                                            r"unstable"),
                             ("api/include/cvtflow/version.hpp", "VERSION_MINOR 34\n")):
             self.assertRegex((self.folder / file).read_text(), words)
         self.assertEqual(self.release("12.34")[0], 2, "three numbers")
@@ -74,7 +76,8 @@ class Release(Rules):
 @unittest.skipUnless("CVTFLOW_NM" in os.environ, "sanitizers add symbols")
 class DeepKernelSymbols(Rules):
     """The kernels are compiled once per instruction set. A function that two of these copies define under one name is shared by the linker,
-    which may then put AVX-512 code where the baseline's is meant: on an older processor that is an illegal instruction, on none a test fails."""
+    which may then put AVX-512 code where the baseline's is meant: on an older processor that is an illegal instruction, on none a test
+    fails."""
 
     def entries(self, objects):
         """Functions that the kernels below a folder of objects show; none is a symbol that the linker merges."""

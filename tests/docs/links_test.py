@@ -1,4 +1,5 @@
-"""Links between pages lead to files and headings that exist; decisions and their numbers agree; every block runs, is written, or says why not."""
+"""Links between pages lead to files and headings that exist; decisions and their numbers agree; every block runs, is written, or says why
+not."""
 
 import os
 import re
@@ -44,7 +45,8 @@ class Pages(unittest.TestCase):
 
     def test_every_page_is_reached_from_the_index(self):
         reached = {target_of(path, link) for path in ("docs/index.md", "docs/decisions/README.md") for link in page(path).links()}
-        self.assertEqual([each.path for each in pages() if each.path.startswith("docs/") and each.path not in reached | {"docs/index.md"}], [])
+        self.assertEqual([each.path for each in pages() if each.path.startswith("docs/")
+                          and each.path not in reached | {"docs/index.md"}], [])
 
     def test_have_one_order_in_the_index_and_the_site(self):
         index = [target_of("docs/index.md", link) for link in page("docs/index.md").links()]

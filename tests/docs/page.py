@@ -9,8 +9,8 @@ TOP = Path(__file__).resolve().parents[2]
 
 
 class Block(NamedTuple):
-    """A fenced block of a page, and what the comment above it states: `file` to which it is written, `nightly` its time if longer than seconds,
-    `deep` the suite that has its promise in quick runs, `not run` the reason why it cannot run."""
+    """A fenced block of a page, and what the comment above it states: `file` to which it is written, `nightly` its time if longer than
+    seconds, `deep` the suite that has its promise in quick runs, `not run` the reason why it cannot run."""
 
     line: int  # of the opening fence
     language: str

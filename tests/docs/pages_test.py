@@ -51,7 +51,8 @@ SHARE = "(?:twentieth|thirtieth|nineteenth|eightieth) of (?:the cost|RK4|its tim
 
 def speeds(each):
     """Lines that state how fast the default is, or how long a simulated second takes."""
-    return [f"{each.path}:{number}: {line}" for number, line in each.text_lines() for form in (FACTOR, COLUMN, SHARE) if re.search(form, line)]
+    return [f"{each.path}:{number}: {line}" for number, line in each.text_lines()
+            for form in (FACTOR, COLUMN, SHARE) if re.search(form, line)]
 
 
 class PagesOfSpeed(unittest.TestCase):

@@ -15,7 +15,8 @@ TABLE = TOP / "tests/docs/source_words.csv"
 FURTHER_WORDS = ["look", "looked", "looking", "impatient", "at hand", "so many", "by how much"]
 OPENINGS = ["Of ", "What ", "That many ", "Those ", "The same "]
 # First words of docstrings that begin with neither a noun nor a verb, and are no sentence.
-FRAGMENTS = ("of ", "what ", "that ", "from ", "by ", "with ", "without ", "in ", "at ", "on ", "as ", "its ", "since ", "so ", "behind ", "between ",
+FRAGMENTS = ("of ", "what ", "that ", "from ", "by ", "with ", "without ", "in ", "at ", "on ", "as ", "its ", "since ", "so ", "behind ",
+             "between ",
              "before ", "after ", "also ", "likewise", "the latter ")
 
 
@@ -35,13 +36,14 @@ def prose(each):
     return re.sub(r"`[^`]*(`|$)|\]\([^)]*(\)|$)", "", "".join(lines)).lower()
 
 
-TOKEN = re.compile(r'(?P<comment>//[^\n]*)|/\*.*?\*/|^[ \t]*#[^\n]*|R"(?P<mark>[^(]*)\((?P<raw>.*?)\)(?P=mark)"|"(?P<literal>(?:\\.|[^"\\])*)"'
+TOKEN = re.compile(r'(?P<comment>//[^\n]*)|/\*.*?\*/|^[ '
+                   r'\t]*#[^\n]*|R"(?P<mark>[^(]*)\((?P<raw>.*?)\)(?P=mark)"|"(?P<literal>(?:\\.|[^"\\])*)"'
                    r"|'(?:\\.|[^'\\])*'|\d[\w']*|(?P<name>[A-Za-z_]\w*)|\S", re.DOTALL | re.MULTILINE)
 
 
 def texts_of(source):
-    """(place, line, text, whether it is a docstring) of all comments, without code between backticks, and literals of C++ or C in their order,
-    then of its distinct names as words. Neighbours that only space separates are one text."""
+    """(place, line, text, whether it is a docstring) of all comments, without code between backticks, and literals of C++ or C in their
+    order, then of its distinct names as words. Neighbours that only space separates are one text."""
     texts, names, joins, line, at = [], {}, None, 1, 0
     for token in TOKEN.finditer(source):
         line, at = line + source.count("\n", at, token.start()), token.start()
@@ -134,15 +136,16 @@ class Glossary(unittest.TestCase):
                           for at in positions_of(text, word)], [])
 
     def test_words_are_found_in_prose_alone(self):
-        sample = Page("sample.md", "| word | means | not |\n|---|---|---|\n| target | an aim | *wanted*, *goes on*, log |\n\nThe run\n  Goes\non; a "
-                                   "`wanted` [x](wanted.md).\n\n    wanted\n\n```sh\nwanted\n```\nunwanted\n")
+        sample = Page("sample.md", "| word | means | not |\n|---|---|---|\n| target | an aim | *wanted*, *goes on*, log |\n\nThe run\n  "
+                                   "Goes\non; a `wanted` [x](wanted.md).\n\n    wanted\n\n```sh\nwanted\n```\nunwanted\n")
         self.assertEqual(avoided_words(sample), ["wanted", "goes on"])
         self.assertEqual((len(positions_of(prose(sample), "goes on")), positions_of(prose(sample), "wanted")), (1, []))
 
     def test_sources_match_the_table_of_rejected_words_which_only_shrinks(self):
         places, table = all_matches(), read_table()
         if "CVTFLOW_WRITE_WORDS" not in os.environ:
-            self.assertEqual(differences(places, table), "", "Where a count grew, use the word of CONTRIBUTING's glossary, and begin the sentence "
+            self.assertEqual(differences(places, table), "", "Where a count grew, use the word of CONTRIBUTING's glossary, and begin the "
+                                                             "sentence "
                              f"with its noun. Where counts only shrank, or a file moved: CVTFLOW_WRITE_WORDS=1 python3 {__file__}")
             return
         now = {row: len(each) for row, each in places.items()}
@@ -157,14 +160,15 @@ class Glossary(unittest.TestCase):
                         "double wanted_steps = 1'000, Rungs; /* wanted */ int steps_wanted_, lookWantedUp;\n")
         self.assertEqual(found, {f"tasks/step,{row}": [f"tasks/step/a.hpp:{place}" for place in places] for row, places in {
             "comment,wanted": ["2: wanted step, ."], "comment,goes on": ["3: goes on"], "literal,wanted": ["5: wanted", "5: wanted"],
-            "name,wanted": ["6: wanted up", "6: wanted", "6: wanted steps"], "name,rung": ["6: rungs"], "name,look": ["6: look wanted up"]}.items()})
+            "name,wanted": ["6: wanted up", "6: wanted", "6: wanted steps"], "name,rung": ["6: rungs"],
+            "name,look": ["6: look wanted up"]}.items()})
 
     def test_sentences_are_found_by_their_beginning_and_units_by_their_tail(self):
         found = matches("model/a/b.cpp",
-                        "// What is it? Of steps.\n// Those of old. The same\n// again. Not What, nor Of.\nint a;\n"
-                        "/// That many steps; time [s], tail [unknowns].\nvoid load();  ///< memory [what save() wrote]\n"
-                        "/// @param time [s]\nint b;  ///< [size()] of steps\n/// Of c.\nint c;  ///< old; [m] of it; 0: [m]\n"
-                        "int d;  ///< by the steps\nint e;  // by them\nint f;  ///< bytes\n")
+                        "// What is it? Of steps.\n// Those of old. The same\n// again. Not What, nor Of.\nint a;\n/// That many steps; "
+                        "time [s], tail [unknowns].\nvoid load();  ///< memory [what save() wrote]\n/// @param time [s]\n"
+                        "int b;  ///< [size()] of steps\n/// Of c.\nint c;  ///< old; [m] of it; 0: [m]\nint d;  ///< by the steps\n"
+                        "int e;  // by them\nint f;  ///< bytes\n")
         self.assertEqual({row: len(places) for row, places in found.items()}, {f"model/a,comment,{rule}": count for rule, count in {
             "; unit […]": 2, "Of …": 2, "That many …": 1, "The same …": 1, "Those …": 1, "What …": 1, "fragment …": 3}.items()})
 
