@@ -75,8 +75,8 @@ class Browser:
         os.close(self.back)
         shutil.rmtree(self.profile, ignore_errors=True)
 
-    def resize(self, width, height):
-        self.call("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+    def resize(self, width, height, mobile=False):
+        self.call("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile})
 
     def message(self, until):
         """The next message, or None if none comes until then."""

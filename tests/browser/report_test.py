@@ -133,12 +133,13 @@ class RunReport(Page):
             for shown, true in zip(figures[-2:], (values.min(), values.max())):  # means: pages_test, python_results_test
                 self.assertAlmostEqual(shown, true, delta=1e-8 * abs(true) + 1e-300)  # nine digits
 
-    def test_a_phone_shows_the_whole_width(self):
-        metrics = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
-        self.browser.call("Emulation.setDeviceMetricsOverride", metrics)
-        self.addCleanup(self.browser.call, "Emulation.setDeviceMetricsOverride",
-                        {"width": 1200, "height": 900, "deviceScaleFactor": 1, "mobile": False})
+    def open_on_a_phone(self):
+        self.browser.resize(390, 844, mobile=True)
+        self.addCleanup(self.browser.resize, 1200, 900)
         self.browser.open(self.page)
+
+    def test_a_phone_shows_the_whole_width(self):
+        self.open_on_a_phone()
         self.assertLessEqual(self.value("document.documentElement.scrollWidth"), 390)
         scales = self.value("""[...document.querySelectorAll("figure svg")].map((s) =>
             s.getBoundingClientRect().width / s.viewBox.baseVal.width)""")
@@ -150,11 +151,7 @@ class RunReport(Page):
         self.assertLess(figures[1] - figures[0], 844, "one screen")
 
     def test_what_is_wider_than_a_phone_has_an_edge_until_it_is_scrolled_to_its_end(self):
-        metrics = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
-        self.browser.call("Emulation.setDeviceMetricsOverride", metrics)
-        self.addCleanup(self.browser.call, "Emulation.setDeviceMetricsOverride",
-                        {"width": 1200, "height": 900, "deviceScaleFactor": 1, "mobile": False})
-        self.browser.open(self.page)
+        self.open_on_a_phone()
         edges = self.value("""(async () => {
             const wide = document.querySelector("#losses figure"), scroller = wide.querySelector(".scroller"), seen = [];
             const look = () => new Promise((done) => setTimeout(() => done(seen.push(["::before", "::after"].map(

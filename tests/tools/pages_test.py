@@ -20,6 +20,8 @@ try:
     import jinja2  # noqa: F401
     import matplotlib  # noqa: F401
     import numpy as np
+
+    from program import Program, write
 except ImportError as error:
     print(f"skipped: {error}")
     sys.exit(77)
@@ -54,20 +56,10 @@ def page(*files, expected=0):
     return done.stderr if expected else text
 
 
-def write(name, text):
-    Path(name).write_text(text)
-
-
 class Pages(unittest.TestCase):
-    """Pages are long: messages contain what is missing alone."""
+    """Pages are long: messages contain what is missing, and a screen of the page."""
 
-    def has(self, text, *words):
-        for each in words:
-            self.assertTrue(each in text, f"missing: {each}")
-
-    def lacks(self, text, *words):
-        for each in words:
-            self.assertFalse(each in text, f"contained: {each}")
+    has, lacks = Program.has, Program.lacks
 
     def matches(self, text, *expressions):
         for each in expressions:

@@ -1,7 +1,6 @@
 #include "tests/tools/program_fixture.hpp"
 
 #include <fcntl.h>
-#include <pty.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -133,25 +132,11 @@ Child::~Child() {
     fs::remove(err_, ignored);
 }
 
-void Child::send(int signal) const { kill(process_, signal); }
-
 Outcome Child::wait() {
     int status = 0;
     waitpid(process_, &status, 0);
     process_ = -1;
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out_), contents(err_)};
-}
-
-pid_t Child::worker() const {
-    std::ifstream file("/proc/" + std::to_string(process_) + "/task/" + std::to_string(process_) + "/children");
-    pid_t worker = 0;
-    file >> worker;
-    return worker;
-}
-
-bool Child::has_ended() const {
-    siginfo_t ended{};
-    return waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == process_;
 }
 
 Words set_all(const Words& settings) {
@@ -179,35 +164,6 @@ Outcome Program::run(const std::vector<std::string>& arguments, const std::vecto
     return Child(arguments, folder_, environment).wait();
 }
 
-Outcome Program::run_briefly(const std::vector<std::string>& more) const {
-    return run(Words{"run", "tiny", "--until", "20 us", "--step", "50 ns"} + set_all({"start.settling_time=20us", "start.ramp_time=10us"}) +
-               more);
-}
-
-std::string Program::draw(const std::vector<std::string>& arguments, int columns) const {
-    std::vector<std::string> all = command_line(arguments);
-    std::vector<char*> words;
-    for (std::string& argument : all) words.push_back(argument.data());
-    words.push_back(nullptr);
-    winsize size{};
-    size.ws_row = 24;
-    size.ws_col = static_cast<unsigned short>(columns);
-    int terminal = -1;
-    const pid_t process = forkpty(&terminal, nullptr, nullptr, &size);
-    if (process < 0) throw std::runtime_error("forkpty");
-    if (process == 0) {
-        setenv("TERM", "xterm", 1);
-        if (chdir(folder_.c_str()) == 0) execv(words[0], words.data());
-        _exit(127);
-    }
-    std::string text;
-    char buffer[4096];
-    for (ssize_t got; (got = ::read(terminal, buffer, sizeof buffer)) > 0;) text.append(buffer, static_cast<std::size_t>(got));
-    close(terminal);
-    waitpid(process, nullptr, 0);
-    return text;
-}
-
 void Program::made_once(const std::string& files, const std::function<void()>& make) const {
     static std::map<std::string, SharedFolder> kept;
     constexpr auto all = fs::copy_options::recursive | fs::copy_options::copy_symlinks | fs::copy_options::overwrite_existing;
@@ -222,26 +178,9 @@ std::string Program::read(const std::string& name) const { return contents(folde
 
 bool Program::exists(const std::string& name) const { return fs::exists(folder_ / name); }
 
-void Program::cut(const std::string& from, const std::string& to, std::size_t bytes) const { write(to, read(from).substr(0, bytes)); }
-
-std::size_t Program::rows_of(const std::string& file) const {
-    try {
-        if (!exists(file)) return 0;
-        return fs::path(file).filename() == "cases.h5" ? engine::read_cases((folder_ / file).string()).size() : record(file).rows();
-    } catch (const engine::RecordError&) {
-        return 0;  // not yet
-    }
-}
-
 std::string Program::hash_in(const std::string& text, const std::string& name) {
     const auto at = text.find(name);
     return at == std::string::npos ? "none" : text.substr(text.find_first_not_of(' ', at + name.size()), 16);
-}
-
-std::string recorded_hash(const fs::path& record) {
-    const engine::RunReader reader(record.string());
-    const auto* hash = engine::attribute_value<std::string>(reader.attributes(), "state_hash");
-    return hash != nullptr ? *hash : throw std::runtime_error(record.string() + ": no state_hash");
 }
 
 void Sweeps::write_sweep(const std::string& torques, const std::string& until, const std::string& more) const {
@@ -254,29 +193,6 @@ void Sweeps::write_sweep(const std::string& torques, const std::string& until, c
                             more);
 }
 
-void Sweeps::add_records() const {
-    std::string text = read("sweep.toml");
-    write("sweep.toml", text.insert(text.find("[start]"), "records = true\n"));
-}
-
 engine::CaseTable Sweeps::table(const std::string& folder) const { return engine::read_cases((folder_ / folder / "cases.h5").string()); }
-
-std::map<long, std::string> Sweeps::column(const std::string& name, const std::string& folder) const {
-    const engine::CaseTable all = table(folder);
-    std::map<long, std::string> cells;
-    for (std::size_t row = 0; row < all.size(); ++row) {
-        const long number = all.layout.integer(all.row(row), all.layout.column("case"));
-        EXPECT_TRUE(cells.emplace(number, all.layout.cell(all.row(row), all.layout.column(name))).second)
-            << "case " << number << " is there twice";
-    }
-    return cells;
-}
-
-Outcome Sweeps::shell(const std::string& line) const {
-    write("shell", line);
-    const std::string command = "export CVTFLOW='" CVTFLOW_PROGRAM "' SOURCE='" CVTFLOW_SOURCE_DIR "'; bash shell > shell.out 2> shell.err";
-    const int status = std::system(("cd '" + folder_.string() + "' && " + command).c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read("shell.out"), read("shell.err")};
-}
 
 }  // namespace cvtflow::tools

@@ -1,0 +1,292 @@
+"""Runs a program like a user: as a child process, each test in an empty folder. It is cvtflow-lab where a command line begins so."""
+
+import atexit
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+SOURCE = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ.get("CVTFLOW_BUILD", SOURCE / "build"))
+PROGRAM, LAB = BUILD / "cvtflow", BUILD / "cvtflow-lab"
+DEEP = os.environ.get("CVTFLOW_TEST_DEPTH") == "deep"
+SETTLING = "--set 'start.settling_time=20 us' --set 'start.ramp_time=10 us'"
+BRIEFLY = f"tiny --until '20 us' --step '50 ns' {SETTLING}"  # settles and runs for 20 us: a fraction of a second
+# A run of 4,000 steps after settling, long enough to be ended at any moment.
+TO_BE_ENDED = ("run tiny -q --until '0.2 ms' --step '50 ns' --set start.settling_time=100us --set start.ramp_time=50us "
+               "--set run.schedule=serial")
+
+
+FAULTS = BUILD / "tests/libcvtflow_faults.so"
+with_faults = unittest.skipUnless(FAULTS.exists(), "not under sanitizers, whose runtime has to be loaded before any other library")
+
+
+def preload(library=FAULTS):
+    """Name of a library for LD_PRELOAD, without blanks, at which the loader splits."""
+    link = Path(tempfile.gettempdir(), f"cvtflow_{os.getpid()}_{library.name}")
+    if not link.is_symlink():
+        link.symlink_to(library)
+        atexit.register(link.unlink)
+    return str(link)
+
+
+def depth(quick, deep):
+    return deep if DEEP else quick
+
+
+def words_of(line):
+    """Words of a command line, with the program that it begins with, or cvtflow."""
+    words = shlex.split(line) if isinstance(line, str) else list(line)
+    return [str(LAB), *words[1:]] if words[:1] == ["cvtflow-lab"] else [str(PROGRAM), *words]
+
+
+def eventually(condition):
+    """Waits until the condition holds. Returns whether it did within 20 s."""
+    end = time.monotonic() + 20
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.002)
+    return True
+
+
+def read(name):
+    return Path(name).read_text(encoding="utf-8", errors="surrogateescape")
+
+
+def write(name, text):
+    Path(name).parent.mkdir(parents=True, exist_ok=True)
+    Path(name).write_text(text, encoding="utf-8")
+
+
+def channel(record, name):
+    """Rows of a channel, of another dataset of a record ("/states/y"), or of a record that is being written."""
+    with h5py.File(record, "r", locking=False) as file:
+        return file[name if name.startswith("/") else "channels/" + name][:]
+
+
+def attribute(file, name):
+    with h5py.File(file, "r", locking=False) as opened:
+        value = opened.attrs[name]
+        return value.decode() if isinstance(value, bytes) else value
+
+
+def rows_of(file):
+    """Number of rows of a record, or of cases in the table of a sweep, also while it is being written, which HDF5 alone refuses to read; 0
+    before it can be read."""
+    shown = subprocess.run([PROGRAM, "info", file], capture_output=True, text=True) if os.path.exists(file) else None
+    found = shown and re.search(r"\n  (?:rows|cases) +(\d+)", shown.stdout)
+    return int(found[1]) if found else 0
+
+
+def hash_in(text, name="results hash"):
+    """Hash after that name in the output of a command."""
+    return text.partition(name)[2].split()[0] if name in text else "none"
+
+
+def hash_of(data):
+    """engine::Hash of bytes: 64-bit FNV-1a."""
+    value = 0xcbf29ce484222325
+    for byte in data:
+        value = (value ^ byte) * 0x100000001b3 % 2**64
+    return value
+
+
+def chained(chain, word):
+    mixed = chain ^ word
+    mixed = (mixed ^ mixed >> 32) * 0x9e3779b97f4a7c15 % 2**64
+    return (mixed << 29 | mixed >> 35) % 2**64
+
+
+def checksum(data):
+    """engine::Checksum of bytes: four chains of words, the last block filled up with zeros."""
+    chains = [1, 2, 3, 4]
+    for k, word in enumerate(np.frombuffer(data + bytes(32 - len(data) % 32), "<u8").tolist()):
+        chains[k % 4] = chained(chains[k % 4], word)
+    total = len(data)
+    for chain in chains:
+        total = chained(total, chain)
+    return total ^ total >> 32
+
+
+def unsealed(path):
+    """Bytes of a file of ours without its seal."""
+    data = Path(path).read_bytes()
+    return data[:-32] if data[-32:-24] == b"CVTFSEAL" else data
+
+
+def forge(path, change):
+    """Changes a file through HDF5 and seals it again; states keep a right hash, rows of tables their check, as an attacker would see to."""
+    Path(path).write_bytes(unsealed(path))
+    with h5py.File(path, "r+", libver=("v108", "v110"), locking=False) as file:
+        change(file)
+        if "state_hash" in file.attrs and "y" in file:
+            file.attrs["state_hash"] = np.bytes_(f"{state_hash(file):016x}")
+        if "check" in (getattr(file.get("cases"), "dtype", np.dtype("f8")).names or ()):
+            rows = file["cases"][:]
+            rows["check"] = [hash_of(row.tobytes()[:-8]) for row in rows.ravel()]
+            file["cases"][:] = rows
+    data = Path(path).read_bytes()
+    mark = b"CVTFSEAL" + len(data).to_bytes(8, "little") + checksum(data).to_bytes(8, "little")
+    Path(path).write_bytes(data + mark + checksum(mark).to_bytes(8, "little"))
+
+
+def state_hash(file):
+    """Hash of all contents of a state (engine/record/run/state_file.cpp)."""
+    def sized(data, count):
+        return count.to_bytes(8, "little") + data
+
+    def reals(values):
+        values = np.atleast_1d(values).astype("<f8")
+        return sized(values.tobytes(), len(values))
+
+    phases, fingerprint = file["phases"][:], file.attrs["fingerprint"]
+    data = reals(file.attrs["time"]) + reals(file["y"][:].ravel()) + sized(phases.tobytes(), phases.size) + sized(fingerprint,
+                                                                                                                  len(fingerprint))
+    for name in sorted(file.attrs):
+        value = file.attrs[name]
+        if name not in ("format", "format_version", "time", "fingerprint", "state_hash"):
+            kind = 0 if isinstance(value, bytes) else 1 if value.dtype.kind == "f" else 2
+            text = sized(value, len(value)) if kind == 0 else reals(value) if kind == 1 else int(value).to_bytes(8, "little", signed=True)
+            data += sized(name.encode(), len(name)) + kind.to_bytes(8, "little") + text
+    for name in sorted(file.get("more", ())):
+        data += sized(name.encode(), len(name)) + reals(file["more"][name][:].ravel())
+    return hash_of(data)
+
+
+def csv_of(file):
+    """Points of a CSV of pictures by plot and series."""
+    import csv
+
+    points = {}
+    with open(file, newline="", encoding="utf-8") as opened:
+        for row in csv.DictReader(opened):
+            points.setdefault((row["plot"], row["series"]), []).append((float(row["x"]), float(row["y"])))
+    return {key: np.array(value) for key, value in points.items()}
+
+
+SWEEP = """[sweep]
+scene = "tiny"
+[set]
+run.until = "{until}"
+run.step = "50 ns"
+start.settling_time = "20 us"
+start.ramp_time = "10 us"
+{set}[[axes]]
+key = "load.torque"
+values = [{torques}]
+[[axes]]
+key = "clamping.driven"
+from = "5 kN"
+to = "6 kN"
+count = 4
+[outputs]
+scalars = ["slip mean", "tight_tension max", "ratio at 20 us"]
+{outputs}[start]
+mode = "{mode}"
+{more}"""
+
+
+def write_sweep(torques="6, 12, 18", until="40 us", more="", name="sweep.toml", **others):
+    """A sweep that takes a second: `torques` x 4 cases of tiny."""
+    write(name, SWEEP.format(torques=torques, until=until, more=more, **{"set": "", "outputs": "", "mode": "settle"} | others))
+
+
+class Program(unittest.TestCase):
+    """Each test is in an empty folder, or in one with the files that make() leaves, which the tests of a class share as copies."""
+
+    maxDiff = None
+
+    def make(self):
+        pass
+
+    @classmethod
+    def setUpClass(cls):
+        cls.made = None
+
+    def setUp(self):
+        folder = Path(tempfile.gettempdir(), f"cvtflow_test_{os.getpid()}")  # the same for all: checkpoints contain it
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir()
+        self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(folder)
+        if type(self).made is None:
+            self.make()
+            kept = tempfile.TemporaryDirectory(prefix="cvtflow_files_")
+            type(self).made = kept
+            self.addClassCleanup(kept.cleanup)
+            shutil.copytree(folder, kept.name, symlinks=True, dirs_exist_ok=True)
+        else:
+            shutil.copytree(type(self).made.name, folder, symlinks=True, dirs_exist_ok=True)
+
+    def start(self, line, **environment):
+        """A child that is killed with the test."""
+        child = subprocess.Popen(words_of(line), stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, encoding="utf-8",
+                                 errors="surrogateescape", env=os.environ | environment)
+        self.enterContext(child)
+        self.addCleanup(child.kill)
+        return child
+
+    def wait(self, child, status=0):
+        """Its output once it has ended with that status, 128 + signal if one ended it; None: any."""
+        child.out, child.err = child.communicate(timeout=300)
+        child.status = child.returncode if child.returncode >= 0 else 128 - child.returncode
+        if status is not None:
+            self.assertIn(child.status, status if isinstance(status, tuple) else (status,), f"{child.args}: {child.err}{child.out}")
+        return child
+
+    def cvtflow(self, line, status=0, **environment):
+        """Runs a command line to its end."""
+        return self.wait(self.start(line, **environment), status)
+
+    def out(self, line, status=0):
+        return self.cvtflow(line, status).out
+
+    def err(self, line, status=1):
+        return self.cvtflow(line, status).err
+
+    def ended_when(self, child, condition, signal, status):
+        """Sends a signal once the condition holds, or lets the child end before."""
+        self.assertTrue(eventually(lambda: child.poll() is not None or condition()), child.args)
+        child.send_signal(signal)
+        return self.wait(child, status)
+
+    def shell(self, line, status=0):
+        """Runs a line of bash; $CVTFLOW is the program."""
+        done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, env=os.environ | {"CVTFLOW": str(PROGRAM)})
+        self.assertEqual(done.returncode, status, line + done.stderr)
+        return done
+
+    def has(self, text, *parts):
+        for part in parts:
+            self.assertTrue(part in text, f"missing: {part}\nin: {text[:3000]}")
+
+    def lacks(self, text, *parts):
+        for part in parts:
+            self.assertFalse(part in text, f"contained: {part}\nin: {text[:3000]}")
+
+    def matches(self, text, *expressions):
+        for each in expressions:
+            self.assertRegex(text, each)
+
+    def batch(self, more="", status=0, folder="out"):
+        return self.cvtflow(f"batch sweep.toml -o {folder} {more}", status)
+
+    def column(self, name, folder="out"):
+        """Values of a column of a sweep's table by case."""
+        cases = channel(f"{folder}/cases.h5", "/cases")
+        self.assertEqual(len(set(cases["case"])), len(cases), "a case is there twice")
+        return {int(row["case"]): row[name].decode() if isinstance(row[name], bytes) else row[name] for row in cases}
+
+
+def main():
+    unittest.main()

@@ -1,0 +1,406 @@
+"""Runs and sweeps that are ended, by a signal or a budget, and continue bit for bit: one table of command, signal and moment."""
+
+import glob
+import os
+import random
+import re
+import shutil
+import signal
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from program import (SETTLING, TO_BE_ENDED, Program, attribute, channel, depth, eventually, forge, hash_in, main, read, rows_of, write,
+                     write_sweep)
+
+KILLED, STOPPED = 128 + signal.SIGKILL, 130
+BUDGET = "--checkpoint-every '1 h' --set run.max_steps=500"
+RIGID = "run tiny -q --until '200 ms' --detail rigid --set run.method=leapfrog-rigid --set 'run.step=2 us'"
+
+
+def contents(record):
+    """Everything that a record holds but when and how long it ran, as bytes: some channels have no number where no energy flows."""
+    with h5py.File(record, "r") as file:
+        found = {"status": file.attrs["status"], "state_hash": file.attrs["state_hash"]}
+        file.visititems(lambda name, each: found.update({name: each[:].tobytes()}) if isinstance(each, h5py.Dataset) else None)
+        return found
+
+
+def has(*files):
+    return all(os.path.exists(file) for file in files)
+
+
+class _Records(Program):
+    def same(self, left, right):
+        left, right = contents(left), contents(right)
+        self.assertEqual([name for name in {*left, *right} if left.get(name) != right.get(name)], [])
+        self.assertEqual(right["status"], b"finished")
+
+    def killed_and_resumed(self, kills, at_least):
+        """Kills at numbers of rows that are drawn, the first time before there is any."""
+        self.cvtflow(f"{TO_BE_ENDED} -o whole.h5")
+        chance, resumed = random.Random(7), 0
+        for kill in range(kills):
+            rows = chance.randrange(1, rows_of("whole.h5")) if kill else 0
+            child = self.start(f"{TO_BE_ENDED} -o cut.h5 --checkpoint-every '5 ms'")
+            self.ended_when(child, lambda: has("cut.h5.part") and rows_of("cut.h5.part") >= rows, signal.SIGKILL, (KILLED, 0))
+            if has("cut.checkpoint.h5"):
+                self.cvtflow("resume cut.checkpoint.h5 -q")
+                resumed += 1
+            elif not has("cut.h5"):  # killed before there was a checkpoint or record
+                self.cvtflow(f"{TO_BE_ENDED} -o cut.h5 --force")
+            self.same("whole.h5", "cut.h5")
+            self.assertFalse(has("cut.checkpoint.h5") or has("cut.h5.before"))
+            os.remove("cut.h5")
+        self.assertGreaterEqual(resumed, at_least)
+
+
+class NightlyResume(_Records):
+    def test_after_a_hundred_kills_gives_the_undisturbed_record(self):
+        self.killed_and_resumed(100, 25)
+
+
+class Resume(_Records):
+    def test_a_run_that_is_told_to_end_leaves_a_whole_record_and_continues_bit_for_bit(self):
+        self.cvtflow(f"{TO_BE_ENDED} --until '0.6 ms' -o whole.h5")
+        for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGXCPU", "SIGPIPE"):
+            child = self.start(f"{TO_BE_ENDED.replace('-q', '')} --until '0.6 ms' -o cut.h5 --checkpoint-every '5 ms'")
+            self.assertTrue(eventually(lambda: rows_of("cut.h5.part") > 0))
+            for _ in range(1 + (name in ("SIGXCPU", "SIGPIPE"))):  # they come again, which is no insisting
+                child.send_signal(getattr(signal, name))
+            self.assertTrue(self.wait(child, STOPPED).out.startswith("tiny: stopped: cancelled at t = "), name)
+            self.assertEqual((has("cut.checkpoint.h5"), has("cut.h5.part")), (True, False), name)
+            self.assertTrue(attribute("cut.h5", "status").startswith("cancelled at t = "), name)
+            self.cvtflow("info cut.h5")
+            self.cvtflow("resume cut.checkpoint.h5 tiny -q --set start.settling_time=100us", 1)
+            self.cvtflow("resume cut.checkpoint.h5 -q")
+            self.same("whole.h5", "cut.h5")
+            os.remove("cut.h5")
+
+    def test_a_limit_of_processor_time_leaves_a_checkpoint(self):
+        self.shell('ulimit -S -t 1; "$CVTFLOW" run tiny -o r.h5 -q --until 1s --set run.schedule=serial --checkpoint-every 1h', STOPPED)
+        self.assertTrue(has("r.checkpoint.h5"))
+
+    def test_a_hangup_that_is_ignored_stays_ignored(self):
+        before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # inherited by the child
+        child = self.start(f"run tiny -o r.h5 -q --until '1 ms' {SETTLING}")
+        signal.signal(signal.SIGHUP, before)
+        self.assertTrue(eventually(lambda: has("r.h5.part")))  # by then handlers are set
+        ignored = int(re.search("SigIgn:\t(.*)", read(f"/proc/{child.pid}/status"))[1], 16)
+        self.assertTrue(ignored & 1 << signal.SIGHUP - 1)
+        child.send_signal(signal.SIGHUP)
+        self.wait(child)
+        self.assertEqual(attribute("r.h5", "status"), "finished")
+
+    def test_after_kills_gives_the_undisturbed_record(self):
+        self.killed_and_resumed(depth(3, 20), depth(1, 5))
+
+    def test_a_killed_run_leaves_a_readable_part(self):
+        child = self.start(f"{TO_BE_ENDED} -o r.h5 --until '1 s' --checkpoint-every '5 ms'")
+        self.ended_when(child, lambda: rows_of("r.h5.part") > 0, signal.SIGKILL, KILLED)
+        self.assertFalse(has("r.h5"))
+        self.has(self.out("info r.h5.part"), "running (still being written, or left by a killed run)")
+
+    def test_of_rigid_pins_continues_bit_for_bit_after_kills(self):
+        self.cvtflow(f"{RIGID} -o whole.h5")
+        chance, size = random.Random(3), os.path.getsize("whole.h5")
+        for _ in range(depth(1, 4)):
+            far = chance.randrange(size // 4)  # rows are too many to be read
+            child = self.start(f"{RIGID} -o cut.h5 --checkpoint-every '100 ms'")
+            self.ended_when(child, lambda: has("cut.checkpoint.h5") and os.path.getsize("cut.h5.part") >= far, signal.SIGKILL, KILLED)
+            self.cvtflow("resume cut.checkpoint.h5 -q")
+            self.same("whole.h5", "cut.h5")
+            os.remove("cut.h5")
+
+    def test_in_a_mean_or_before_or_after_a_sheave_is_held_continues_bit_for_bit(self):
+        means = ("tiny -q --set run.method=auto --until '2 ms' --set 'run.output_interval=0.5 ms' --set 'run.state_interval=1 ms' --set "
+                 "record.means=true")
+        steady = ("control -q --set detail.level=rigid --set start.state= --set 'start.settling_time=10 ms' --set 'drive.speed=4000 rpm' "
+                  "--set 'run.steady=20 %' --set control.when_steady=hold --until steady")
+        for scene, cuts in ((means, (1000,)), (steady, (2000, 3800, 9000))):
+            self.cvtflow(f"run {scene} -o whole.h5 --force")
+            for steps in cuts:
+                self.cvtflow(f"run {scene} -o cut.h5 --force --checkpoint-every '1 h' --set run.max_steps={steps}", 4)
+                self.cvtflow("resume cut.checkpoint.h5 -q --set run.max_steps=0")
+                self.same("whole.h5", "cut.h5")
+
+    def test_refuses_another_scene_and_names_the_difference(self):
+        self.cvtflow(f"{TO_BE_ENDED} -o whole.h5")
+        self.cvtflow(f"{TO_BE_ENDED} -o cut.h5 --until '20 us'")
+        self.cvtflow(f"{TO_BE_ENDED} -o cut.h5 --force {BUDGET}", 4)  # is to replace another
+        before = Path("cut.checkpoint.h5").read_bytes()
+        self.has(self.err("resume cut.checkpoint.h5 --set 'tip.radius=2 m' --set run.method=dumka3-p4"),
+                 "cut.checkpoint.h5: not a checkpoint of this scene:\n  tip.radius = 2, the checkpoint has ",
+                 '\n  run.method = "dumka3-p4", the checkpoint has "rk4"\n')
+        self.assertEqual(Path("cut.checkpoint.h5").read_bytes(), before)
+        self.cvtflow("resume cut.checkpoint.h5 -q --set run.max_steps=0")
+        self.same("whole.h5", "cut.h5")
+
+    def test_refuses_a_checkpoint_of_which_any_byte_has_changed(self):
+        self.cvtflow(f"{TO_BE_ENDED} -o cut.h5 {BUDGET}", 4)
+        good, count = Path("cut.checkpoint.h5").read_bytes(), depth(5, 40)
+        for k in range(count):
+            bad = bytearray(good)
+            bad[k * (len(good) - 1) // (count - 1)] ^= 4  # from the first to the last
+            Path("bad.h5").write_bytes(bad)
+            self.matches(self.err("resume bad.h5 -q -o none"), r"\Acvtflow: bad.h5: ")
+        self.cvtflow("resume cut.checkpoint.h5 -q --set run.max_steps=0")
+
+    def test_refuses_a_record_whose_rows_have_changed(self):
+        child = self.start(f"{TO_BE_ENDED} -o cut.h5 --until '1 ms' --checkpoint-every '5 ms'")
+        self.ended_when(child, lambda: has("cut.checkpoint.h5") and rows_of("cut.h5.part") > 5, signal.SIGINT, STOPPED)
+        changed = bytearray(Path("cut.h5").read_bytes()[:-32])  # without its seal, as if it had been killed
+        changed[changed.index(channel("cut.h5", "time")[-1].tobytes())] ^= 1
+        Path("cut.h5").write_bytes(changed)
+        self.has(self.err("resume cut.checkpoint.h5 -q"),
+                 "cut.h5.before: cannot be continued: damaged: its rows differ from those written before the checkpoint")
+        self.assertEqual(Path("cut.h5.before").read_bytes(), changed, "nothing is lost")
+
+    def test_leaves_no_half_written_checkpoint_behind(self):
+        self.cvtflow("settle tiny -q -o state.h5 --time 20us --set start.ramp_time=10us")
+        Path("cut.checkpoint.h5.part").write_bytes(Path("state.h5").read_bytes()[:4000])  # what a kill left
+        self.cvtflow(f"{TO_BE_ENDED} -o cut.h5 --checkpoint-every '1 h'")
+        self.assertFalse(has("cut.checkpoint.h5.part"))
+
+
+class ForeignCheckpoint(Program):
+    """A checkpoint of a run that stopped while it settled (its record has no row yet), sent by another user: its name and the record that
+    it names are the sender's."""
+
+    def make(self):
+        os.mkdir("theirs")
+        self.cvtflow(f"{TO_BE_ENDED} -o theirs/sent.h5 {BUDGET}", 4)
+        os.rename("theirs/sent.checkpoint.h5", "mine.checkpoint.h5")
+        write("notes.txt", "mine")
+
+    def name_record(self, path):
+        """Puts a path into the checkpoint, as its writer could have."""
+        forge("mine.checkpoint.h5", lambda file: file.attrs.__setitem__("record", np.bytes_(path)))
+
+    def test_decides_about_no_file(self):
+        for named in ("notes.txt", "theirs/sent.h5", ".bash_profile", "mine.h5/../notes.txt"):
+            self.name_record(f"{os.getcwd()}/{named}")
+            there = os.listdir()
+            self.has(self.err("resume mine.checkpoint.h5 -q"),
+                     "which is not NAME.h5 beside the checkpoint; -o FILE names the record to continue")
+            self.assertEqual((read("notes.txt"), os.listdir()), ("mine", there), named)
+
+    def test_replaces_no_file_beside_it_without_force(self):
+        self.name_record(f"{os.getcwd()}/mine.h5")
+        for there in ("mine.h5", "mine.h5.part", "mine.h5.before"):
+            write(there, "mine")
+            self.matches(self.err("resume mine.checkpoint.h5 -q"), rf"\Acvtflow: {there}: ")
+            self.assertEqual(read(there), "mine")
+            os.remove(there)
+        self.cvtflow("resume mine.checkpoint.h5 -q --set run.max_steps=0")  # nothing is in its way
+        self.assertEqual(attribute("mine.h5", "status"), "finished")
+
+    def test_replaces_the_finished_record_of_another_run_only_with_force(self):
+        self.cvtflow(f"{TO_BE_ENDED} -o other.h5")
+        other, line = Path("other.h5").read_bytes(), "resume mine.checkpoint.h5 -q -o other.h5 --set run.max_steps=0"
+        self.assertEqual(self.err(line), "cvtflow: other.h5: cannot be continued: not the record of this run; --force replaces it\n")
+        self.assertEqual(Path("other.h5").read_bytes(), other)
+        self.cvtflow(f"{line} --force")
+        self.assertNotEqual(Path("other.h5").read_bytes(), other)
+
+
+# Sweeps: (what, sweep, further words of the line, signal, moment, status, words of the line that continues it).
+
+CONTINUED = 'continuation = "clamping.driven"\ncheck = 0\n'
+CHECKPOINTS, SHORT = "--checkpoint-every '10 ms'", "--grace '1 us' --checkpoint-every '10 ms'"
+TWENTY = "6, 9, 12, 15, 18"
+STEADY = """[sweep]
+scene = "control"
+detail = "rigid"
+[set]
+start.state = ""
+start.settling_time = "10 ms"
+run.until = "steady"
+run.steady = "5 %"
+control.gains = "found"
+control.when_steady = "hold"
+run.output_interval = "200 us"
+[[axes]]
+key = "drive.speed"
+values = ["4000 rpm", "4200 rpm"]
+[[axes]]
+key = "clamping.driven"
+values = ["19 kN", "20 kN"]
+[[axes]]
+key = "load.torque"
+values = ["60 N*m", "70 N*m", "80 N*m"]
+[outputs]
+scalars = ["slip mean", "ratio mean"]
+[start]
+mode = "settle"
+continuation = "load.torque"
+across = "clamping.driven"
+check = 0
+[steady]
+confirm = 0
+"""
+
+
+def rows(place="workers/0001"):
+    return rows_of(f"out/{place}/cases.h5")
+
+
+def all_rows():
+    return sum(rows_of(table) for table in glob.glob("out/workers/*/cases.h5"))
+
+
+def checkpoint(case):
+    return has(f"out/checkpoints/case-{case:06}.h5")
+
+
+def short():
+    write_sweep("6", "1 ms", CONTINUED)
+
+
+def twenty():
+    write_sweep(TWENTY, "80 us")
+
+
+def steady():
+    write("sweep.toml", STEADY)
+
+
+WORKER = "--worker --threads 1"
+ENDED = (
+    ("while a case continues from its neighbour", short, SHORT, signal.SIGTERM, lambda: checkpoint(1), STOPPED, "resume out"),
+    ("while it extrapolates steady states", steady, f"--threads 1 {SHORT}", signal.SIGTERM, lambda: checkpoint(4), STOPPED, "resume out"),
+    ("as a worker", twenty, f"{WORKER} --grace '1 us'", signal.SIGTERM, lambda: rows() >= 2, STOPPED, "resume out"),
+    ("as a worker that is killed", twenty, WORKER, signal.SIGKILL, lambda: rows() >= 2, KILLED, f"batch sweep.toml -o out {WORKER}"),
+)
+
+
+class _Sweeps(Program):
+    def equal_whole(self, done, *columns):
+        """A sweep has the results of one that nothing disturbed."""
+        self.assertEqual(hash_in(done.out), self.whole)
+        for name in columns:
+            self.assertEqual(self.column(name), self.column(name, "whole"))
+
+    def undisturbed(self):
+        self.whole = hash_in(self.batch(folder="whole").out)
+
+
+class ContinuedSweep(_Sweeps):
+    def test_that_is_ended_has_the_results_of_an_undisturbed_one(self):
+        for what, prepare, more, number, moment, status, rest in ENDED:
+            with self.subTest(what):
+                shutil.rmtree("out", ignore_errors=True)
+                shutil.rmtree("whole", ignore_errors=True)
+                prepare()
+                self.undisturbed()
+                done = self.ended_when(self.start(f"batch sweep.toml -o out {more}"), moment, number, status)
+                if status == STOPPED:
+                    self.has(done.out, "to continue: cvtflow resume out\n")
+                if "worker" in more:
+                    self.assertFalse(has("out/cases.h5"))
+                    self.assertLess(rows(), 20)
+                    self.cvtflow("merge out", 5)  # cases are missing
+                    self.has(self.out("info out"), "out: a sweep in parts, 0 of 1 running\n")  # locks and changes nothing
+                self.equal_whole(self.cvtflow(rest), "start", "status")
+                if "worker" in more:
+                    self.assertEqual(rows(), 20)
+                    self.has(self.batch().out, "; 20 before")
+
+    def test_of_steady_lines_has_one_hash_for_threads_and_shards(self):
+        write("sweep.toml", STEADY)
+        self.undisturbed()
+        starts = self.column("start", "whole")
+        self.assertEqual({starts[number] for number in (2, 4, 5, 8, 10, 11)}, {"extrapolated"})
+        self.assertFalse(has("whole/continuation"))
+        self.equal_whole(self.batch("--threads 1", folder="one"))
+        for shard in ("1/2", "2/2"):
+            self.batch(f"--shard {shard}", folder="cut")
+        self.equal_whole(self.cvtflow("merge cut"))
+
+    def test_takes_over_the_place_of_a_dead_worker_while_another_works(self):
+        write_sweep(TWENTY, "80 us")
+        self.undisturbed()
+        dies, works = (self.start("batch sweep.toml -o out --worker --threads 1") for _ in range(2))
+        self.assertTrue(eventually(lambda: rows("workers/0001") >= 1 and rows("workers/0002") >= 1))
+        dies.kill()
+        self.wait(dies, KILLED)
+        done = self.wait(works)
+        self.has(done.out, "20 ok")
+        self.equal_whole(done)
+        self.assertFalse(has("out/workers/0003"))
+
+    def test_is_a_row_of_its_table_where_a_case_takes_its_process_down_and_the_others_have_their_results(self):
+        """The process of the sweep dies by SIGSEGV in a case, and again when that runs alone. A case has a record while it runs."""
+        write_sweep("6, 12", "0.4 ms", outputs="records = true\n")
+        self.undisturbed()
+        child = self.start("batch sweep.toml -o out --threads 1")
+
+        def worker():
+            """The process that runs the cases; 0: none."""
+            return int(read(f"/proc/{child.pid}/task/{child.pid}/children").split(" ")[0] or 0)
+
+        def running():
+            return min((int(path[-11:-8]) for path in glob.glob("out/records/*.part")), default=-1)
+
+        self.assertTrue(eventually(lambda: running() >= 3))
+        first = worker()
+        os.kill(first, signal.SIGSTOP)
+        crashed = running()
+        self.assertGreaterEqual(crashed, 3, "stopped between two cases")
+        os.remove(f"out/records/case-{crashed:06}.h5.part")  # the next attempt makes it again
+        os.kill(first, signal.SIGSEGV)
+        os.kill(first, signal.SIGCONT)
+        self.assertTrue(eventually(lambda: worker() not in (0, first) and running() == crashed))
+        os.kill(worker(), signal.SIGSEGV)
+        done = self.wait(child, 5)
+        self.has(done.err, f"cvtflow: a process of the sweep was ended by SIGSEGV (Segmentation fault); its cases run again one by one: "
+                           f"case {crashed}\ncvtflow: case {crashed} crashed: SIGSEGV (Segmentation fault)\n")
+        self.has(done.out, "1 crashed, 7 ok")
+        self.assertEqual(self.column("error")[crashed], "its process was ended by SIGSEGV (Segmentation fault), even when it ran alone")
+        self.assertNotEqual(self.column("slip_mean")[crashed], self.column("slip_mean")[crashed], "not a number")
+        hashes, expected = self.column("hash"), self.column("hash", "whole")
+        self.assertEqual(hashes | {crashed: ""}, expected | {crashed: ""})
+        self.equal_whole(self.batch("--retry crashed"))
+
+    def test_keeps_the_place_of_a_worker_when_a_case_takes_its_process_down(self):
+        write_sweep(TWENTY, "0.2 ms")
+        self.undisturbed()
+        child = self.start("batch sweep.toml -o out --worker --threads 1")
+        self.assertTrue(eventually(lambda: rows() >= 1 and os.path.getsize("out/workers/claims") >= 2 * 35))
+        time.sleep(0.05)  # into the second case, which takes five times as long
+        os.kill(int(read(f"/proc/{child.pid}/task/{child.pid}/children").split(" ")[0]), signal.SIGSEGV)
+        done = self.wait(child)
+        self.has(done.err, "its cases run again one by one")
+        self.assertFalse(has("out/workers/0002"))
+        self.equal_whole(done)
+
+
+class DeepWorker(_Sweeps):
+    """Workers that die by kill -9 after numbers of cases that are drawn, every second one for good while others live."""
+
+    torques, counts, kills = TWENTY, (3,), 6
+
+    def test_killed_ones_are_replaced_by_the_others_and_the_hash_is_that_of_one_process(self):
+        write_sweep(self.torques, "80 us")
+        self.undisturbed()
+        for workers in self.counts:
+            chance, line = random.Random(workers), f"batch sweep.toml -o out --worker --threads 1 {CHECKPOINTS}"
+            alive = [self.start(line) for _ in range(workers)]
+            for kill in range(self.kills):
+                which, until = alive.pop(chance.randrange(len(alive))), all_rows() + chance.randrange(3)
+                self.ended_when(which, lambda: all_rows() >= until, signal.SIGKILL, (KILLED, 0))
+                alive += [self.start(line)] * (kill % 2 == 0 or not alive)
+            for worker in alive:
+                self.wait(worker)
+            self.equal_whole(self.cvtflow("table out"), "hash", "evaluations")
+            shutil.rmtree("out")
+
+
+class NightlyWorker(DeepWorker):
+    torques, counts, kills = TWENTY + ", 7, 8, 10, 11, 13", (1, 2, 7), 20
+
+
+if __name__ == "__main__":
+    main()
