@@ -290,7 +290,7 @@ void judge_slip(const MeanPoint& begin, const MeanPoint& end, const SteadyRule& 
     if (!(rule.inertia * torque > 0.0 && allowed > 0.0)) return;
     const double left = std::max(least_left, 1.0 - torque / allowed), slipping = std::abs(means.error[friction_slip].mean);
     const double settling = rule.inertia * speed * slipping / (torque * left);
-    means.to_come = std::max(1.0, 1.0 / std::expm1((end.time - begin.time) / std::max(settling, 1e-9)));
+    means.to_come = std::max(1.0, settling / (end.time - begin.time));  // a decay is off in the mean by that times its change
     means.unseen_slip = unseen_load * rule.tolerance * (1.0 - left) / left;
 }
 

@@ -190,7 +190,7 @@ struct SteadyMeans : MeanErrors {
     double unseen = 0.0;               ///< error that no mean shows, since it changes too slowly, relative [1]
     double unseen_ratio = 0.0;         ///< the same of the ratio
     double unseen_slip = 0.0;          ///< the same of slip near what the clamping forces carry, beside `unseen`; no reason to run longer
-    double to_come = 1.0;              ///< change of slip that is still to come over that of the means' trend, where it is more [1]
+    double to_come = 1.0;              ///< what slip lacks in the mean, over the change of its trend, where it is more [1]
     double off_target = 0.0;           ///< deviation of a ratio that is held; while it is large, the ratio still moves [1]
     double alternation = 0.0;          ///< amplitude of the tight tension at half the pin frequency over its mean [1]
     double swing = 0.0;                ///< root mean square of the tensions' differences from period to period, over the tight one [1]

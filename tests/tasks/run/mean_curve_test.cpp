@@ -227,6 +227,32 @@ TEST(SteadyMeans, OfAnImperfectMachineAreOverRevolutions) {
     EXPECT_NEAR(means.all().end, 8.0 * turn, 6.0 * period);
 }
 
+/// Slip by friction that settles with 0.5 s, the time constant of shaft 2 at its load: the trend of the means counts as what is to come of
+/// it, and close to the torque that the clamping forces carry errors are as large as a change of load makes them.
+TEST(SteadyMeans, OfASlipNearItsLimitStateWhatIsToCome) {
+    constexpr double settling = 0.5, grip = 0.2, clamping = 20e3, radius = 0.05, slip = 0.02;
+    for (const double share : {0.1, 0.95}) {
+        const double torque = share * grip * clamping * radius, inertia = settling * torque * (1.0 - share) / (100.0 * slip);
+        const auto near_its_limit = [&](model::Observation& now) {
+            now.torque = {torque, -torque};
+            now.clamping = {clamping, 1.1 * clamping};
+            now.radius = {radius, radius};
+            now.slip = now.friction_slip = slip * (1.0 - 0.02 * std::exp(-now.time / settling));
+        };
+        SteadyRule rule = one_percent;
+        const RunMeans blind = means_that(near_its_limit, 10.0, rule);
+        rule.grip = grip;
+        rule.inertia = inertia;
+        const RunMeans means = means_that(near_its_limit, 10.0, rule);
+        ASSERT_FALSE(means.steady_fault());
+        const MeanError& error = means.steady().error[5];
+        EXPECT_NEAR(error.mean, slip, error.sum()) << share;
+        const MeanError& without = blind.steady().error[5];
+        EXPECT_GT(std::abs(without.mean - slip), without.sum()) << share << ": the trend alone does not cover it";
+        EXPECT_NEAR(error.sum() / slip, share > 0.9 ? 0.0025 * 19.0 : 0.01, 0.003) << share;
+    }
+}
+
 TEST(SteadyMeans, OfAChainAtRestDoNotExist) {
     const RunMeans means = means_that([](const model::Observation&) {}, 1.0, one_percent, 0.0);
     EXPECT_TRUE(means.ended());
