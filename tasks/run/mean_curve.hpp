@@ -77,7 +77,7 @@ struct SteadyRule {
     bool holds_ratio = false;  ///< ratio control: the ratio is steady at its target, to a tenth of the tolerance
     double controlled = 0.0;   ///< pin periods of ratio control before the sheave is held (control.when_steady); 0: none [1]
     double grip = 0.0;         ///< largest tension difference of an arc over its clamping force [1]
-    double inertia = 0.0;      ///< of shaft 2, which a load torque brakes; 0: nothing is known of how slowly slip settles [kg m²]
+    double inertia = 0.0;      ///< inertia of shaft 2, which a load torque brakes; 0: how slowly slip settles is not known [kg·m²]
     double brief = 0.0;        ///< pin periods after which means count where the sheave is held from the start on; 0: it is not [1]
 
     [[nodiscard]] bool holds_sheave() const noexcept { return controlled > 0.0 || brief > 0.0; }
@@ -190,7 +190,7 @@ struct SteadyMeans : MeanErrors {
     double unseen = 0.0;               ///< error that no mean shows, since it changes too slowly, relative [1]
     double unseen_ratio = 0.0;         ///< the same of the ratio
     double unseen_slip = 0.0;          ///< the same of slip near what the clamping forces carry, beside `unseen`; no reason to run longer
-    double to_come = 1.0;              ///< what slip lacks in the mean, over the change of its trend, where it is more [1]
+    double to_come = 1.0;              ///< share of the trend's change that slip lacks in the mean, where it is more than all [1]
     double off_target = 0.0;           ///< deviation of a ratio that is held; while it is large, the ratio still moves [1]
     double alternation = 0.0;          ///< amplitude of the tight tension at half the pin frequency over its mean [1]
     double swing = 0.0;                ///< root mean square of the tensions' differences from period to period, over the tight one [1]
