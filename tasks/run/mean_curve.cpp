@@ -283,7 +283,7 @@ namespace {
 /// arc allows, slip grows without bound: (dT/ds) s/T, the share of that torque that is left, vanishes, and small changes of what the chain
 /// carries become large ones of slip.
 void judge_slip(const MeanPoint& begin, const MeanPoint& end, const SteadyRule& rule, SteadyMeans& means) noexcept {
-    constexpr double least_left = 0.01, unseen_load = 0.25;  // unseen change of what the chain carries, over the tolerance
+    constexpr double least_left = 0.01, unseen_load = 0.2;  // unseen change of what the chain carries, over the tolerance
     const double torque = std::abs(end.mean_since(begin, Mean::torque, 1)), speed = std::abs(end.mean_since(begin, Mean::speed, 1));
     const double clamping = std::min(end.mean_since(begin, Mean::clamping, 0), end.mean_since(begin, Mean::clamping, 1));
     const double allowed = rule.grip * clamping * end.mean_since(begin, Mean::radius, 1);
