@@ -15,13 +15,6 @@
 namespace cvtflow::host {
 namespace {
 
-/// Hash after a short run, on the calling thread.
-std::uint64_t serial_hash(const Scene& scene, double until) {
-    Simulation simulation(scene);
-    simulation.advance_to(until);
-    return simulation.hash();
-}
-
 /// Runs `action` in a child process; its exit status.
 template <class Action>
 int in_child(const Action& action) {
