@@ -3,8 +3,6 @@
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cvtflow/cvtflow.h>
 #include <array>
@@ -16,6 +14,8 @@
 #include <set>
 #include <sstream>
 #include <string>
+
+#include "command_fixture.hpp"
 
 namespace cvtflow::host {
 namespace {
@@ -113,67 +113,50 @@ bool mapped(const std::string& name) {
     return false;
 }
 
-/// Runs in a child, since this program is linked with the library and could not unload it.
-template <class Action>
-int in_child_program(const Action& action) {
-    const pid_t child = fork();
-    if (child == 0) {
-        alarm(300);
-        _exit(action());
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
 TEST(SharedLibrary, IsLoadedAndUnloadedManyTimes) {
-    EXPECT_EQ(in_child_program([] {
-                  std::uint64_t expected = 0;
-                  for (int round = 0; round < 20; ++round) {
-                      {
-                          const Library library(CVTFLOW_LIBRARY);
-                          if (!library.loaded()) return 1;
-                          const std::uint64_t hash = run_in(library);
-                          if (round == 0) expected = hash;
-                          if (hash == 0 || hash != expected) return 2;
-                          if (FROM(library, cvtflow_shutdown)() != CVTFLOW_OK) return 3;
+    EXPECT_EQ(in_child(
+                  [] {
+                      std::uint64_t expected = 0;
+                      for (int round = 0; round < 20; ++round) {
+                          {
+                              const Library library(CVTFLOW_LIBRARY);
+                              if (!library.loaded()) return 1;
+                              const std::uint64_t hash = run_in(library);
+                              if (round == 0) expected = hash;
+                              if (hash == 0 || hash != expected) return 2;
+                              if (FROM(library, cvtflow_shutdown)() != CVTFLOW_OK) return 3;
+                          }
+                          if (mapped("libcvtflow")) return 4;
                       }
-                      if (mapped("libcvtflow")) return 4;
-                  }
-                  return 0;
-              }),
+                      return 0;
+                  },
+                  300),
               0);
 }
 
 TEST(SharedLibrary, LivesBesideAnotherVersion) {
-    EXPECT_EQ(in_child_program([] {
-                  const Library one(CVTFLOW_LIBRARY), other(CVTFLOW_NEXT_LIBRARY);
-                  if (!one.loaded() || !other.loaded()) return 1;
-                  if (std::string(FROM(one, cvtflow_version)()) == FROM(other, cvtflow_version)()) return 2;
-                  const std::uint64_t expected = run_in(one);
-                  for (int round = 0; round < 3; ++round) {
-                      if (run_in(one) != expected || run_in(other) != expected) return 3;
-                  }
-                  // Before they are unloaded, as embedding.md asks: oneTBB's threads may still be on their way out of their code.
-                  if (FROM(one, cvtflow_shutdown)() != CVTFLOW_OK || FROM(other, cvtflow_shutdown)() != CVTFLOW_OK) return 5;
-                  return expected != 0 ? 0 : 4;
-              }),
+    EXPECT_EQ(in_child(
+                  [] {
+                      const Library one(CVTFLOW_LIBRARY), other(CVTFLOW_NEXT_LIBRARY);
+                      if (!one.loaded() || !other.loaded()) return 1;
+                      if (std::string(FROM(one, cvtflow_version)()) == FROM(other, cvtflow_version)()) return 2;
+                      const std::uint64_t expected = run_in(one);
+                      for (int round = 0; round < 3; ++round) {
+                          if (run_in(one) != expected || run_in(other) != expected) return 3;
+                      }
+                      // Before they are unloaded, as embedding.md asks: oneTBB's threads may still be on their way out of their code.
+                      if (FROM(one, cvtflow_shutdown)() != CVTFLOW_OK || FROM(other, cvtflow_shutdown)() != CVTFLOW_OK) return 5;
+                      return expected != 0 ? 0 : 4;
+                  },
+                  300),
               0);
-}
-
-std::string output_of(const std::string& command) {
-    std::FILE* pipe = popen(command.c_str(), "r");
-    std::string output;
-    std::array<char, 4096> buffer;
-    while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), size);
-    pclose(pipe);
-    return output;
 }
 
 /// Names with versions that the library shows and that match `pattern` of grep -E.
 std::set<std::string> shown(const std::string& pattern) {
     std::istringstream lines(
-        output_of("nm -D --defined-only --with-symbol-versions '" CVTFLOW_LIBRARY "' | awk '{print $3}' | grep -E '" + pattern + "'"));
+        output_of("nm -D --defined-only --with-symbol-versions '" CVTFLOW_LIBRARY "' | awk '{print $3}' | grep -E '" + pattern + "'")
+            .second);
     std::set<std::string> names;
     for (std::string name; std::getline(lines, name);) names.insert(name);
     return names;
