@@ -114,41 +114,37 @@ bool mapped(const std::string& name) {
 }
 
 TEST(SharedLibrary, IsLoadedAndUnloadedManyTimes) {
-    EXPECT_EQ(in_child(
-                  [] {
-                      std::uint64_t expected = 0;
-                      for (int round = 0; round < 20; ++round) {
-                          {
-                              const Library library(CVTFLOW_LIBRARY);
-                              if (!library.loaded()) return 1;
-                              const std::uint64_t hash = run_in(library);
-                              if (round == 0) expected = hash;
-                              if (hash == 0 || hash != expected) return 2;
-                              if (FROM(library, cvtflow_shutdown)() != CVTFLOW_OK) return 3;
-                          }
-                          if (mapped("libcvtflow")) return 4;
+    EXPECT_EQ(in_child([] {
+                  std::uint64_t expected = 0;
+                  for (int round = 0; round < 20; ++round) {
+                      {
+                          const Library library(CVTFLOW_LIBRARY);
+                          if (!library.loaded()) return 1;
+                          const std::uint64_t hash = run_in(library);
+                          if (round == 0) expected = hash;
+                          if (hash == 0 || hash != expected) return 2;
+                          if (FROM(library, cvtflow_shutdown)() != CVTFLOW_OK) return 3;
                       }
-                      return 0;
-                  },
-                  300),
+                      if (mapped("libcvtflow")) return 4;
+                  }
+                  return 0;
+              }),
               0);
 }
 
 TEST(SharedLibrary, LivesBesideAnotherVersion) {
-    EXPECT_EQ(in_child(
-                  [] {
-                      const Library one(CVTFLOW_LIBRARY), other(CVTFLOW_NEXT_LIBRARY);
-                      if (!one.loaded() || !other.loaded()) return 1;
-                      if (std::string(FROM(one, cvtflow_version)()) == FROM(other, cvtflow_version)()) return 2;
-                      const std::uint64_t expected = run_in(one);
-                      for (int round = 0; round < 3; ++round) {
-                          if (run_in(one) != expected || run_in(other) != expected) return 3;
-                      }
-                      // Before they are unloaded, as embedding.md asks: oneTBB's threads may still be on their way out of their code.
-                      if (FROM(one, cvtflow_shutdown)() != CVTFLOW_OK || FROM(other, cvtflow_shutdown)() != CVTFLOW_OK) return 5;
-                      return expected != 0 ? 0 : 4;
-                  },
-                  300),
+    EXPECT_EQ(in_child([] {
+                  const Library one(CVTFLOW_LIBRARY), other(CVTFLOW_NEXT_LIBRARY);
+                  if (!one.loaded() || !other.loaded()) return 1;
+                  if (std::string(FROM(one, cvtflow_version)()) == FROM(other, cvtflow_version)()) return 2;
+                  const std::uint64_t expected = run_in(one);
+                  for (int round = 0; round < 3; ++round) {
+                      if (run_in(one) != expected || run_in(other) != expected) return 3;
+                  }
+                  // Before they are unloaded, as embedding.md asks: oneTBB's threads may still be on their way out of their code.
+                  if (FROM(one, cvtflow_shutdown)() != CVTFLOW_OK || FROM(other, cvtflow_shutdown)() != CVTFLOW_OK) return 5;
+                  return expected != 0 ? 0 : 4;
+              }),
               0);
 }
 
