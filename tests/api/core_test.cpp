@@ -13,17 +13,12 @@
 #include <sstream>
 #include <string>
 
+#include "command_fixture.hpp"
+
+namespace cvtflow::host {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Exit status and output of a command on both streams.
-std::pair<int, std::string> output_of(const std::string& command) {
-    std::string text;
-    FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-    for (int letter = std::fgetc(pipe); letter != EOF; letter = std::fgetc(pipe)) text += static_cast<char>(letter);
-    return {pclose(pipe), text};
-}
 
 class CoreLibrary : public testing::Test {
 protected:
@@ -41,8 +36,8 @@ protected:
 
 TEST_F(CoreLibrary, GivesTheBitsOfTheLibrary) {
     const std::vector<std::string> settings{"start.state=\"\"", "start.settling_time=0.2 ms", "start.ramp_time=0.1 ms"};
-    const cvtflow::Scene scene = cvtflow::Scene::ready("tiny").with(settings);
-    cvtflow::Simulation expected(scene);
+    const cvtflow::Scene scene = Scene::ready("tiny").with(settings);
+    Simulation expected(scene);
     expected.advance_to(2e-5);  // settles first
     expected.advance_to(2e-5);
     char hash[32];
@@ -51,7 +46,7 @@ TEST_F(CoreLibrary, GivesTheBitsOfTheLibrary) {
 }
 
 TEST_F(CoreLibrary, ReadsNoFileAndStatesWhatToDoInstead) {
-    const std::string state = cvtflow::Scene::ready("control").text(), text = "this library reads no files: pass a scene as text";
+    const std::string state = Scene::ready("control").text(), text = "this library reads no files: pass a scene as text";
     EXPECT_THAT(run(state).second, testing::HasSubstr("this library cannot read state files; start.state = \"\" settles instead"));
     EXPECT_THAT(run("[load]\ntorque = {csv = \"load.csv\"}\n").second,
                 testing::HasSubstr("load.torque: \"load.csv\" cannot be read: " + text));
@@ -99,3 +94,4 @@ TEST_F(CoreLibrary, MentionsNoThreadLibraryAndNoFileOfPosix) {
 }
 
 }  // namespace
+}  // namespace cvtflow::host

@@ -7,9 +7,11 @@
 namespace cvtflow::host {
 namespace {
 
-// A host that sets the pressures of cylinders.
-
 Scene by_pressure() { return tiny({"hydraulics.mode=pressure", "hydraulics.driven_pressure=4 bar", "hydraulics.driving_pressure=3 bar"}); }
+Scene coupled() { return tiny({"load.mode=coupling", "load.speed=209 rad/s", "load.coupling_stiffness=200 N*m/rad"}); }
+Scene coupled_rigid_pins() { return coupled().with({"detail.pins=rigid", "detail.plates=lumped", "run.method=auto", "run.step=1 us"}); }
+
+// A host that sets the pressures of cylinders.
 
 TEST(HostHydraulics, PressuresAreInputs) {
     Simulation simulation(by_pressure());
@@ -22,28 +24,7 @@ TEST(HostHydraulics, PressuresAreInputs) {
     EXPECT_EQ(input_info(Input::pressure_driven).unit, "Pa");
 }
 
-TEST(HostHydraulics, ACopyContinuesBitForBit) {
-    Simulation simulation(by_pressure());
-    simulation.advance_to(1e-5);
-    simulation.set_input(Input::pressure_driving, 5e5);
-    simulation.advance_to(1.3e-5);
-    Simulation copy = simulation.copy();
-    for (Simulation* one : {&simulation, &copy}) one->advance_to(4e-5);
-    EXPECT_EQ(copy.hash(), simulation.hash());
-    EXPECT_EQ(copy.channel("hydraulics/pump")[0], simulation.channel("hydraulics/pump")[0]);
-}
-
-TEST(HostHydraulics, InputsOfOtherModesAreRefused) {
-    Simulation pressed(by_pressure()), plain(tiny());
-    EXPECT_EQ(error_of([&] { pressed.set_input(Input::clamping_driven, 5e3); }),
-              "clamping.driven: needs clamping forces, not hydraulics.mode = \"pressure\"");
-    EXPECT_EQ(error_of([&] { plain.set_input(Input::pressure_driven, 5e5); }),
-              "hydraulics.driven_pressure: needs hydraulics.mode = \"pressure\"");
-}
-
 // A host that couples a vehicle: the far end's speed and angle as inputs, the torque's impulse back.
-
-Scene coupled() { return tiny({"load.mode=coupling", "load.speed=209 rad/s", "load.coupling_stiffness=200 N*m/rad"}); }
 
 TEST(HostCouplings, FarEndsAreInputs) {
     Simulation simulation(coupled());
@@ -70,20 +51,9 @@ TEST(HostCouplings, ImpulseIsTheMeanTorqueOverAnExchange) {
     EXPECT_NEAR(simulation.channel("shaft_2/coupling_work")[0] - work, 205.0 * given, 1e-9 * std::abs(205.0 * given));
 }
 
-TEST(HostCouplings, ACopyContinuesBitForBit) {
-    Simulation simulation(coupled());
-    simulation.advance_to(1e-5);
-    simulation.set_input(Input::load_speed, 205.0);
-    simulation.advance_to(1.3e-5);
-    Simulation copy = simulation.copy();
-    for (Simulation* one : {&simulation, &copy}) one->advance_to(4e-5);
-    EXPECT_EQ(copy.hash(), simulation.hash());
-}
-
 /// Rigid pins count impulse and work in every step; half of the step at an exchange passes at the speed before it.
 TEST(HostCouplings, RigidPinsExchangeWithAVehicle) {
-    Simulation simulation(tiny({"load.mode=coupling", "load.speed=209 rad/s", "load.coupling_stiffness=200 N*m/rad", "detail.pins=rigid",
-                                "detail.plates=lumped", "run.method=auto", "run.step=1 us"}));
+    Simulation simulation(coupled_rigid_pins());
     simulation.advance_to(0.0);
     const double before = simulation.channel("shaft_2/impulse")[0], work = simulation.channel("shaft_2/coupling_work")[0];
     const double torque = simulation.channel("shaft_2/torque")[0];
@@ -92,17 +62,54 @@ TEST(HostCouplings, RigidPinsExchangeWithAVehicle) {
     const double given = simulation.channel("shaft_2/impulse")[0] - before;
     EXPECT_LT(given, 0.0);
     EXPECT_NEAR(simulation.channel("shaft_2/coupling_work")[0] - work, 205.0 * given, 1.1 * 0.5e-6 * 4.0 * std::abs(torque));
-    Simulation copy = simulation.copy();
-    for (Simulation* one : {&simulation, &copy}) one->advance_to(1e-4);
-    EXPECT_EQ(copy.hash(), simulation.hash());
-    EXPECT_EQ(copy.channel("shaft_2/coupling_work")[0], simulation.channel("shaft_2/coupling_work")[0]);
 }
 
-TEST(HostCouplings, InputsOfOtherModesAreRefused) {
-    Simulation coupling(coupled()), plain(tiny());
-    EXPECT_EQ(error_of([&] { coupling.set_input(Input::load_torque, 5.0); }), "load.torque: needs load.mode = \"torque\"");
-    EXPECT_EQ(error_of([&] { plain.set_input(Input::load_speed, 5.0); }), "load.speed: needs load.mode = \"speed\" or \"coupling\"");
-    EXPECT_EQ(error_of([&] { plain.set_input(Input::drive_angle, 5.0); }), "drive_angle: needs drive.mode = \"coupling\"");
+// Both hosts.
+
+TEST(HostInputs, ACopyContinuesBitForBit) {
+    struct Row {
+        Scene scene;
+        Input input;
+        double value;
+        const char* channel;
+    };
+    for (const Row& row : {Row{by_pressure(), Input::pressure_driving, 5e5, "hydraulics/pump"},
+                           Row{coupled(), Input::load_speed, 205.0, "shaft_2/coupling_work"},
+                           Row{coupled_rigid_pins(), Input::load_speed, 205.0, "shaft_2/coupling_work"}}) {
+        Simulation simulation(row.scene);
+        simulation.advance_to(1e-5);
+        simulation.set_input(row.input, row.value);
+        simulation.advance_to(1.3e-5);
+        Simulation copy = simulation.copy();
+        for (Simulation* one : {&simulation, &copy}) one->advance_to(4e-5);
+        EXPECT_EQ(copy.hash(), simulation.hash()) << row.channel;
+        EXPECT_EQ(copy.channel(row.channel)[0], simulation.channel(row.channel)[0]) << row.channel;
+    }
+}
+
+TEST(HostInputs, OutOfRangeOrOfOtherModesAreRefused) {
+    struct Row {
+        Scene scene;
+        Input input;
+        double value;
+        const char* text;
+    };
+    for (const Row& row : {
+             Row{tiny(), Input::clamping_driven, -1.0, "clamping.driven: -1 is outside [0, 1e7] N"},
+             Row{tiny(), Input::load_torque, std::nan(""), "load.torque: nan is outside [-1e5, 1e5] N*m"},
+             Row{tiny(), Input::drive_torque, 1.0, "drive.torque: needs drive.mode = \"torque\""},
+             Row{tiny(), Input::ratio, 1.0, "control.ratio: needs control.enabled = true and control.quantity = \"ratio\""},
+             Row{tiny(), static_cast<Input>(17), 1.0, "input: there is no number 17"},
+             Row{tiny(), Input::pressure_driven, 5e5, "hydraulics.driven_pressure: needs hydraulics.mode = \"pressure\""},
+             Row{tiny(), Input::load_speed, 5.0, "load.speed: needs load.mode = \"speed\" or \"coupling\""},
+             Row{tiny(), Input::drive_angle, 5.0, "drive_angle: needs drive.mode = \"coupling\""},
+             Row{by_pressure(), Input::clamping_driven, 5e3, "clamping.driven: needs clamping forces, not hydraulics.mode = \"pressure\""},
+             Row{coupled(), Input::load_torque, 5.0, "load.torque: needs load.mode = \"torque\""},
+         }) {
+        Simulation simulation(row.scene);
+        EXPECT_EQ(error_of([&] { simulation.set_input(row.input, row.value); }), row.text);
+        EXPECT_EQ(code_of([&] { simulation.set_input(row.input, row.value); }), ErrorCode::argument) << row.text;
+    }
     EXPECT_EQ(code_of([&] { Simulation other(tiny({"load.mode=speed"})); }), ErrorCode::scene);
 }
 

@@ -6,7 +6,6 @@ library and nm.
 
 import contextlib
 import ctypes
-import itertools
 import os
 import subprocess
 import tempfile
@@ -78,58 +77,59 @@ def snapshot(fmu):
     return state
 
 
-class Null(unittest.TestCase):
-    def each(self, action):
+def each_version(test):
+    """A test for each version of the standard, with a folder."""
+    def tests(self):
         for version in VERSIONS:
             with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
-                action(ready(folder, version))
+                test(self, folder, version)
 
-    def test_every_function_is_in_the_table(self):
-        def compared(fmu):
-            lines = subprocess.run(["nm", "-D", "--defined-only", fmu.library._name], capture_output=True, text=True, check=True).stdout
-            names = {line.split()[-1][4:] for line in lines.splitlines() if line.split()[-1].startswith(f"fmi{fmu.version}")}
-            plain = {"GetVersion", "FreeInstance"} | ({"GetTypesPlatform"} if fmu.version == 2 else set())
-            self.assertEqual(names, {*FUNCTIONS[fmu.version], *MAKERS[fmu.version], *plain})
+    return tests
 
-        self.each(compared)
 
-    def test_null_for_any_pointer_is_an_error(self):
-        def called(fmu):
-            state = snapshot(fmu)
-            for name, kinds in FUNCTIONS[fmu.version].items():
-                pointers = [index for index, kind in enumerate(kinds) if kind in "ps"]
-                for nulls in [[index] for index in pointers] + [pointers] * (len(pointers) > 1):
-                    values = [argument(kind, index in nulls, state) for index, kind in enumerate(kinds)]
-                    with self.subTest(name=name, nulls=nulls):
-                        self.assertEqual(outcome(lambda: fmu.call(name, *values)), ERROR)
+class Null(unittest.TestCase):
+    @each_version
+    def test_every_function_is_in_the_table(self, folder, version):
+        lines = subprocess.run(["nm", "-D", "--defined-only", Fmu(folder, version).library._name], capture_output=True, text=True, check=True).stdout
+        names = {line.split()[-1][4:] for line in lines.splitlines() if line.split()[-1].startswith(f"fmi{version}")}
+        plain = {"GetVersion", "FreeInstance"} | ({"GetTypesPlatform"} if version == 2 else set())
+        self.assertEqual(names, {*FUNCTIONS[version], *MAKERS[version], *plain})
 
-        self.each(called)
+    @each_version
+    def test_null_for_any_pointer_is_an_error(self, folder, version):
+        fmu = ready(folder, version)
+        state = snapshot(fmu)
+        for name, kinds in FUNCTIONS[version].items():
+            pointers = [index for index, kind in enumerate(kinds) if kind in "ps"]
+            for nulls in [[index] for index in pointers] + [pointers] * (len(pointers) > 1):
+                values = [argument(kind, index in nulls, state) for index, kind in enumerate(kinds)]
+                with self.subTest(name=name, nulls=nulls):
+                    self.assertEqual(outcome(lambda: fmu.call(name, *values)), ERROR)
 
-    def test_no_instance_is_an_error(self):
-        def called(fmu):
-            for name, kinds in FUNCTIONS[fmu.version].items():
-                values = [argument(kind, False, None) for kind in kinds]
-                with self.subTest(name=name):
-                    self.assertEqual(outcome(lambda: fmu.function(name)(None, *values)), ERROR)
-            self.assertEqual(outcome(lambda: fmu.function("FreeInstance")(None) and OK), OK)
+    @each_version
+    def test_no_instance_is_an_error(self, folder, version):
+        fmu = ready(folder, version)
+        for name, kinds in FUNCTIONS[version].items():
+            values = [argument(kind, False, None) for kind in kinds]
+            with self.subTest(name=name):
+                self.assertEqual(outcome(lambda: fmu.function(name)(None, *values)), ERROR)
+        self.assertEqual(outcome(lambda: fmu.function("FreeInstance")(None) and OK), OK)
 
-        self.each(called)
+    @each_version
+    def test_no_instance_is_made_of_nulls(self, folder, version):
+        fmu = ready(folder, version)
+        for name, kinds in MAKERS[version].items():
+            make = fmu.function(name)
+            make.restype = ctypes.c_void_p
+            nulls = [argument(kind, True, None) for kind in kinds]
+            with self.subTest(name=name):
+                self.assertEqual(outcome(lambda: OK if make(*nulls) is None else 1), OK)
 
-    def test_no_instance_is_made_of_nulls(self):
-        def called(fmu):
-            for name, kinds in MAKERS[fmu.version].items():
-                make = fmu.function(name)
-                make.restype = ctypes.c_void_p
-                nulls = [argument(kind, True, None) for kind in kinds]
-                with self.subTest(name=name):
-                    self.assertEqual(outcome(lambda: OK if make(*nulls) is None else 1), OK)
-
-        self.each(called)
-
-    def test_no_values_need_no_pointers(self):
+    @each_version
+    def test_no_values_need_no_pointers(self, folder, version):
         none = ctypes.c_size_t(0)
-        self.each(lambda fmu: self.assertEqual(fmu.call("GetReal", None, none, None) if fmu.version == 2 else
-                                               fmu.call("GetFloat64", None, none, None, none), OK))
+        name, more = ("GetReal", []) if version == 2 else ("GetFloat64", [none])
+        self.assertEqual(ready(folder, version).call(name, None, none, None, *more), OK)
 
 
 class Faults(unittest.TestCase):
@@ -137,71 +137,51 @@ class Faults(unittest.TestCase):
 
     LENGTH = 0.02
 
-    def broken(self, fmu):
-        reference, force = (ctypes.c_uint * 1)(fmu.references["clamping_driving"]), (ctypes.c_double * 1)(1e7)
-        one = ctypes.c_size_t(1)
-        self.assertEqual(fmu.call("SetReal", reference, one, force) if fmu.version == 2 else
-                         fmu.call("SetFloat64", reference, one, force, one), OK)
-
-    def test_the_last_successful_time_is_before_the_step_that_failed(self):
-        for version in VERSIONS:
-            with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
-                fmu = ready(folder, version)
-                self.assertEqual(fmu.step(0.0, 1e-5), OK)
-                self.broken(fmu)
-                reached = ctypes.c_double(1.0)
-                if version == 2:
-                    self.assertEqual(fmu.step(1e-5, self.LENGTH), ERROR)
-                    self.assertEqual(fmu.call("GetRealStatus", 2, ctypes.byref(reached)), OK)
-                else:
-                    flags = [ctypes.byref(ctypes.c_bool()) for _ in range(3)]
-                    self.assertEqual(fmu.call("DoStep", ctypes.c_double(1e-5), ctypes.c_double(self.LENGTH), ctypes.c_bool(True), *flags,
-                                              ctypes.byref(reached)), ERROR)
-                self.assertEqual(reached.value, 1e-5)
+    @each_version
+    def test_the_last_successful_time_is_before_the_step_that_failed(self, folder, version):
+        fmu = ready(folder, version)
+        self.assertEqual([fmu.step(0.0, 1e-5), fmu.set("clamping_driving", 1e7), fmu.step(1e-5, self.LENGTH)], [OK, OK, ERROR])
+        if version == 2:
+            self.assertEqual(fmu.call("GetRealStatus", 2, ctypes.byref(fmu.reached)), OK)
+        self.assertEqual(fmu.reached.value, 1e-5)
 
     def test_nothing_calls_back_after_a_fault(self):
         with tempfile.TemporaryDirectory() as folder:
             seen = []
             fmu = Fmu(folder, 3, update=UPDATE(lambda _, time, *more: seen.append(time)))
-            reference = (ctypes.c_uint * 1)(fmu.references["tip.friction_coefficient"])
-            one = ctypes.c_size_t(1)
-            self.assertEqual(fmu.call("SetFloat64", reference, one, (ctypes.c_double * 1)(0.08), one), OK)
-            self.assertEqual(fmu.enter(), OK)
+            self.assertEqual([fmu.set("tip.friction_coefficient", 0.08), fmu.enter()], [OK, OK])
             state = snapshot(fmu)  # its start has not settled yet: the initialisation steps
-            self.assertEqual(fmu.exit(), OK)
-            self.broken(fmu)
-            self.assertEqual(fmu.step(0.0, self.LENGTH), ERROR)
+            self.assertEqual([fmu.exit(), fmu.set("clamping_driving", 1e7), fmu.step(0.0, self.LENGTH)], [OK, OK, ERROR])
             before = len(seen)
             self.assertEqual(outcome(lambda: fmu.call("SetFMUState", state) or fmu.exit()), OK)
             self.assertEqual([fmu.call("SetFMUState", state), fmu.exit()], [OK, OK])
             self.assertEqual(len(seen), before)
 
-    def test_a_time_that_a_step_cannot_change_is_an_error(self):
-        for version, start in itertools.product(VERSIONS, (1e300, float("nan"), float("inf"))):
-            with self.subTest(fmi=version, start=start), tempfile.TemporaryDirectory() as folder:
-                fmu = Fmu(folder, version)
-                self.assertIn(ERROR, [fmu.setup(start), fmu.enter(start), fmu.exit(), fmu.step(start, 1e-5)])
+    @each_version
+    def test_a_time_that_a_step_cannot_change_is_an_error(self, folder, version):
+        for start in (1e300, float("nan"), float("inf")):
+            fmu = Fmu(f"{folder}/{start}", version)
+            self.assertIn(ERROR, [fmu.setup(start), fmu.enter(start), fmu.exit(), fmu.step(start, 1e-5)], start)
 
 
 class Unreliable(unittest.TestCase):
-    def test_a_step_that_makes_results_unreliable_warns_once(self):
-        for version in VERSIONS:
-            with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
-                fmu = ready(folder, version, more=("--method", "rk4", "--step", "140 ns", "--set", "start.settling_time=5 ms"))
-                state, one, reference = snapshot(fmu), ctypes.c_size_t(1), (ctypes.c_uint * 1)(fmu.references["unreliable"])
+    @each_version
+    def test_a_step_that_makes_results_unreliable_warns_once(self, folder, version):
+        fmu = ready(folder, version, more=("--method", "rk4", "--step", "140 ns", "--set", "start.settling_time=5 ms"))
+        state, one, reference = snapshot(fmu), ctypes.c_size_t(1), (ctypes.c_uint * 1)(fmu.references["unreliable"])
 
-                def unreliable():
-                    flag = (ctypes.c_int if version == 2 else ctypes.c_bool)()
-                    room = [one] if version == 3 else []
-                    self.assertEqual(fmu.call("GetBoolean", reference, one, ctypes.byref(flag), *room), OK)
-                    return bool(flag.value)
+        def unreliable():
+            flag = (ctypes.c_int if version == 2 else ctypes.c_bool)()
+            room = [one] if version == 3 else []
+            self.assertEqual(fmu.call("GetBoolean", reference, one, ctypes.byref(flag), *room), OK)
+            return bool(flag.value)
 
-                for _ in range(2):  # also after the return to a reliable state
-                    self.assertFalse(unreliable())
-                    statuses = [fmu.step(2e-4 * number, 2e-4) for number in range(10)]
-                    self.assertEqual(sorted(statuses), [OK] * 9 + [WARNING])
-                    self.assertTrue(unreliable())
-                    self.assertEqual(fmu.call(name_of(fmu, "SetFMUState"), state), OK)
+        for _ in range(2):  # also after the return to a reliable state
+            self.assertFalse(unreliable())
+            statuses = [fmu.step(2e-4 * number, 2e-4) for number in range(10)]
+            self.assertEqual(sorted(statuses), [OK] * 9 + [WARNING])
+            self.assertTrue(unreliable())
+            self.assertEqual(fmu.call(name_of(fmu, "SetFMUState"), state), OK)
 
 
 class Callbacks(unittest.TestCase):
@@ -212,10 +192,7 @@ class Callbacks(unittest.TestCase):
             seen = []
 
             def update(_, time, *more):
-                there = ctypes.c_double()
-                one = ctypes.c_size_t(1)
-                fmu.call("GetFloat64", (ctypes.c_uint * 1)(fmu.references["time"]), one, ctypes.byref(there), one)
-                seen.append((there.value == time, fmu.call("Reset"), fmu.call("SetFMUState", state), fmu.call("Terminate"), fmu.step(time, 1e-5),
+                seen.append((fmu.get("time") == time, fmu.call("Reset"), fmu.call("SetFMUState", state), fmu.call("Terminate"), fmu.step(time, 1e-5),
                              fmu.call("GetFMUState", ctypes.byref(ctypes.c_void_p(None)))))
 
             fmu = ready(folder, 3, update=UPDATE(update))
@@ -237,30 +214,27 @@ class Callbacks(unittest.TestCase):
 
 
 class Snapshots(unittest.TestCase):
-    def test_every_changed_byte_of_the_header_is_found(self):
-        for version in VERSIONS:
-            with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
-                fmu = Fmu(folder, version)
-                reference, value, one = (ctypes.c_uint * 1)(fmu.references["tip.friction_coefficient"]), (ctypes.c_double * 1)(0.08), ctypes.c_size_t(1)
-                set_real = ["SetReal", reference, one, value] if version == 2 else ["SetFloat64", reference, one, value, one]
-                self.assertEqual([fmu.call(*set_real), fmu.setup(), fmu.enter()], [OK] * 3)
-                state, size = snapshot(fmu), ctypes.c_size_t()
-                self.assertEqual(fmu.call(name_of(fmu, "SerializedFMUStateSize"), state, ctypes.byref(size)), OK)
-                whole = (ctypes.c_uint8 * size.value)()
-                self.assertEqual(fmu.call(name_of(fmu, "SerializeFMUState"), state, whole, size), OK)
+    @each_version
+    def test_every_changed_byte_of_the_header_is_found(self, folder, version):
+        fmu = Fmu(folder, version)
+        self.assertEqual([fmu.set("tip.friction_coefficient", 0.08), fmu.setup(), fmu.enter()], [OK] * 3)
+        state, size = snapshot(fmu), ctypes.c_size_t()
+        self.assertEqual(fmu.call(name_of(fmu, "SerializedFMUStateSize"), state, ctypes.byref(size)), OK)
+        whole = (ctypes.c_uint8 * size.value)()
+        self.assertEqual(fmu.call(name_of(fmu, "SerializeFMUState"), state, whole, size), OK)
 
-                def read(data, length):
-                    return fmu.call(name_of(fmu, "DeserializeFMUState"), data, ctypes.c_size_t(length), ctypes.byref(ctypes.c_void_p(None)))
+        def read(data, length):
+            return fmu.call(name_of(fmu, "DeserializeFMUState"), data, ctypes.c_size_t(length), ctypes.byref(ctypes.c_void_p(None)))
 
-                self.assertEqual(read(whole, size.value), OK)
-                header = bytes(whole).index(b"CVTFLOW")
-                self.assertGreater(header, 40)
-                for place in range(header):
-                    changed = (ctypes.c_uint8 * size.value).from_buffer_copy(whole)
-                    changed[place] ^= 1
-                    self.assertEqual(read(changed, size.value), ERROR, place)
-                for length in range(header + 8):
-                    self.assertEqual(read(whole, length), ERROR, length)
+        self.assertEqual(read(whole, size.value), OK)
+        header = bytes(whole).index(b"CVTFLOW")
+        self.assertGreater(header, 40)
+        for place in range(header):
+            changed = (ctypes.c_uint8 * size.value).from_buffer_copy(whole)
+            changed[place] ^= 1
+            self.assertEqual(read(changed, size.value), ERROR, place)
+        for length in range(header + 8):
+            self.assertEqual(read(whole, length), ERROR, length)
 
 
 if __name__ == "__main__":

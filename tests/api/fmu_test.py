@@ -36,10 +36,17 @@ def export(file, version, *more):
     assert done.returncode == 0, done.stderr
 
 
+def in_process(*settings):
+    """The same simulation in this process, settled."""
+    simulation = cvtflow.Simulation(cvtflow.Scene.ready("tiny").with_(*settings))
+    simulation.advance_to(0.0)
+    return simulation
+
+
 class Slave:
     """One instance, whichever the version."""
 
-    def __init__(self, file, version, start=0.0, name="one", parameters=None):
+    def __init__(self, file, version, start=0.0, name="one", parameters=None, **more):
         self.folder, self.version = tempfile.TemporaryDirectory(prefix="with a space "), version
         extract(file, unzipdir=self.folder.name)
         description = read_model_description(self.folder.name)
@@ -47,7 +54,7 @@ class Slave:
         made = FMU3Slave if version == 3 else FMU2Slave
         self.fmu = made(guid=description.guid, unzipDirectory=self.folder.name, modelIdentifier=description.coSimulation.modelIdentifier,
                         instanceName=name)
-        self.fmu.instantiate()
+        self.fmu.instantiate(**more)
         for key, value in (parameters or {}).items():
             self.set(key, value)
         self.begin(start)
@@ -87,6 +94,16 @@ class Slave:
         self.folder.cleanup()
 
 
+def both(test):
+    """A test for both versions of the standard."""
+    def tests(self):
+        for version, file in self.files.items():
+            with self.subTest(fmi=version):
+                test(self, file, version)
+
+    return tests
+
+
 class Both(unittest.TestCase):
     """Every test for both versions of the standard."""
 
@@ -101,166 +118,126 @@ class Both(unittest.TestCase):
     def tearDownClass(cls):
         cls.folder.cleanup()
 
-    def both(self, action):
-        for version, file in self.files.items():
-            with self.subTest(fmi=version):
-                action(file, version)
+    def slave(self, *words, **more):
+        made = Slave(*words, **more)
+        self.addCleanup(made.free)
+        return made
 
-    def test_they_are_valid(self):
-        self.both(lambda file, _: self.assertEqual(validate_fmu(file), []))
-        for version in (2, 3):
-            file = f"{self.folder.name}/all.fmu"
-            export(file, version)
-            self.assertEqual(validate_fmu(file), [])
-            names = {row.name for row in read_model_description(file).modelVariables}
-            self.assertLess({"time", "load_torque", "slip", "efficiency", "shaft_2.speed", "tip.friction_coefficient"}, names)
-            self.assertLess(len(names), 35)
-            export(file, version, "--outputs", "all", "--parameters", "all")
-            self.assertEqual(validate_fmu(file), [])
-            everything = {row.name for row in read_model_description(file).modelVariables}
-            self.assertLess(names, everything)
-            self.assertGreater(len(everything), 120)
+    @both
+    def test_they_are_valid(self, file, version):
+        self.assertEqual(validate_fmu(file), [])
+        names, larger = [], f"{self.folder.name}/all.fmu"
+        for more in ((), ("--outputs", "all", "--parameters", "all")):
+            export(larger, version, *more)
+            self.assertEqual(validate_fmu(larger), [])
+            names.append({row.name for row in read_model_description(larger).modelVariables})
+        self.assertLess({"time", "load_torque", "slip", "efficiency", "shaft_2.speed", "tip.friction_coefficient"}, names[0])
+        self.assertLess(names[0], names[1])
+        self.assertTrue(len(names[0]) < 35 and len(names[1]) > 120)
 
-    def test_they_need_nothing_but_the_c_library(self):
-        def needed(file, version):
-            with zipfile.ZipFile(file) as parts, tempfile.TemporaryDirectory() as folder:
-                name = f"binaries/{'x86_64-linux' if version == 3 else 'linux64'}/tiny.so"
-                said = subprocess.run(["ldd", parts.extract(name, folder)], capture_output=True, text=True, env={"PATH": os.environ["PATH"]})
-                libraries = {line.split()[0].rpartition("/")[2].partition(".")[0] for line in said.stdout.splitlines()}
-                self.assertLessEqual(libraries, {"linux-vdso", "libm", "libc", "ld-linux-x86-64"})
-                shown = subprocess.run(["nm", "-D", "--defined-only", parts.extract(name, folder)], capture_output=True, text=True).stdout
-                self.assertEqual([line for line in shown.splitlines() if not line.split()[-1].startswith(("fmi2", "fmi3"))], [])
+    @both
+    def test_they_need_nothing_but_the_c_library(self, file, version):
+        with zipfile.ZipFile(file) as parts, tempfile.TemporaryDirectory() as folder:
+            name = f"binaries/{'x86_64-linux' if version == 3 else 'linux64'}/tiny.so"
+            said = subprocess.run(["ldd", parts.extract(name, folder)], capture_output=True, text=True, env={"PATH": os.environ["PATH"]})
+            libraries = {line.split()[0].rpartition("/")[2].partition(".")[0] for line in said.stdout.splitlines()}
+            self.assertLessEqual(libraries, {"linux-vdso", "libm", "libc", "ld-linux-x86-64"})
+            shown = subprocess.run(["nm", "-D", "--defined-only", parts.extract(name, folder)], capture_output=True, text=True).stdout
+            self.assertEqual([line for line in shown.splitlines() if not line.split()[-1].startswith(("fmi2", "fmi3"))], [])
 
-        self.both(needed)
-
-    def test_bits_equal_those_of_the_program(self):
-        record_file = f"{self.folder.name}/record.h5"
-        subprocess.run([PROGRAM, "run", "tiny", "--until", "0.2 ms", "-q", "--force", "-o", record_file], check=True)
+    @both
+    def test_bits_equal_those_of_the_program(self, file, version):
+        record_file = f"{self.folder.name}/record{version}.h5"
+        subprocess.run([PROGRAM, "run", "tiny", "--until", "0.2 ms", "-q", "-o", record_file], check=True)
         record = cvtflow.Record(record_file)
+        rows = simulate_fmu(file, stop_time=2e-4, step_size=STEP, output_interval=STEP)
+        np.testing.assert_array_equal(rows["ratio"], record["ratio"])
+        np.testing.assert_array_equal(rows["shaft_1.angle"], record["shaft_1/angle"])
+        tension = rows["links.tension"] if version == 3 else np.stack([rows[f"links.tension[{k}]"] for k in range(24)], axis=1)
+        np.testing.assert_array_equal(tension, record["links/tension"])
 
-        def equal(file, version):
-            rows = simulate_fmu(file, stop_time=2e-4, step_size=STEP, output_interval=STEP)
-            np.testing.assert_array_equal(rows["ratio"], record["ratio"])
-            np.testing.assert_array_equal(rows["shaft_1.angle"], record["shaft_1/angle"])
-            tension = rows["links.tension"] if version == 3 else np.stack([rows[f"links.tension[{k}]"] for k in range(24)], axis=1)
-            np.testing.assert_array_equal(tension, record["links/tension"])
-
-        self.both(equal)
-
-    def test_communication_steps_of_any_length_stop_where_the_library_does(self):
+    @both
+    def test_communication_steps_of_any_length_stop_where_the_library_does(self, file, version):
         for lengths in ([3e-6] * 30, [STEP] * 9, [1e-6, 7e-6, 2.3e-5, 4e-7, 5.86e-5]):
-            def equal(file, version):
-                slave, alone, time = Slave(file, version), cvtflow.Simulation(cvtflow.Scene.ready("tiny")), 0.0
-                alone.advance_to(0.0)
-                for length in lengths:
-                    slave.step(time, length)
-                    time += length
-                    alone.advance_to(time)
-                    for name in ("ratio", "shaft_1.angle"):
-                        self.assertEqual(slave.get(name), alone.channel(name.replace(".", "/"))[0])
-                slave.free()
+            slave, alone, time = self.slave(file, version), in_process(), 0.0
+            for length in lengths:
+                slave.step(time, length)
+                time += length
+                alone.advance_to(time)
+                for name in ("ratio", "shaft_1.angle"):
+                    self.assertEqual(slave.get(name), alone.channel(name.replace(".", "/"))[0])
 
-            self.both(equal)
+    @both
+    def test_inputs_and_start_times_count(self, file, version):
+        slave, late = self.slave(file, version), self.slave(file, version, start=2.0)
+        alone = in_process()
+        for simulation in (slave, late):
+            simulation.set("load_torque", 5.0)
+        alone.set_input("load_torque", 5.0)
+        alone.advance_to(STEP)
+        slave.step(0.0, STEP)
+        late.step(2.0, STEP)
+        self.assertEqual(slave.get("load_torque"), 5.0)
+        self.assertEqual(slave.get("ratio"), alone.channel("ratio")[0])
+        self.assertAlmostEqual(late.get("ratio"), slave.get("ratio"), delta=1e-9)  # 2 + 1e-5 - 2 is not 1e-5
 
-    def test_inputs_and_start_times_count(self):
-        def differs(file, version):
-            slave, late = Slave(file, version), Slave(file, version, start=2.0)
-            alone = cvtflow.Simulation(cvtflow.Scene.ready("tiny"))
-            alone.advance_to(0.0)
-            for simulation in (slave, late):
-                simulation.set("load_torque", 5.0)
-            alone.set_input("load_torque", 5.0)
-            alone.advance_to(STEP)
-            slave.step(0.0, STEP)
-            late.step(2.0, STEP)
-            self.assertEqual(slave.get("load_torque"), 5.0)
-            self.assertEqual(slave.get("ratio"), alone.channel("ratio")[0])
-            self.assertAlmostEqual(late.get("ratio"), slave.get("ratio"), delta=1e-9)  # 2 + 1e-5 - 2 is not 1e-5
-            slave.free()
-            late.free()
+    @both
+    def test_two_instances_do_not_know_each_other(self, file, version):
+        one, other = self.slave(file, version, name="one"), Slave(file, version, name="other")
+        other.set("load_torque", 5.0)
+        for number in range(5):
+            one.step(number * STEP, STEP)
+            other.step(number * STEP, STEP)
+        other.free()
+        alone = self.slave(file, version)
+        for number in range(5):
+            alone.step(number * STEP, STEP)
+        self.assertEqual(one.get("ratio"), alone.get("ratio"))
 
-        self.both(differs)
-
-    def test_two_instances_do_not_know_each_other(self):
-        def apart(file, version):
-            one, other = Slave(file, version, name="one"), Slave(file, version, name="other")
-            other.set("load_torque", 5.0)
-            for number in range(5):
-                one.step(number * STEP, STEP)
-                other.step(number * STEP, STEP)
-            other.free()
-            alone = Slave(file, version)
-            for number in range(5):
-                alone.step(number * STEP, STEP)
-            self.assertEqual(one.get("ratio"), alone.get("ratio"))
-            one.free()
-            alone.free()
-
-        self.both(apart)
-
-    def test_states_are_restored_also_into_another_instance(self):
-        def restored(file, version):
-            slave = Slave(file, version)
-            slave.step(0.0, STEP)
-            slave.set("load_torque", 7.0)
-            state = slave.state()
-            data = slave.serialised(state)
-            slave.step(STEP, STEP)
-            expected = slave.get("ratio")
-            slave.set_state(state)
-            slave.step(STEP, STEP)
-            self.assertEqual(slave.get("ratio"), expected)
-            other = Slave(file, version)
-            other.set_state(other.deserialised(data))
-            self.assertEqual(other.get("load_torque"), 7.0)
-            other.step(STEP, STEP)
-            self.assertEqual(other.get("ratio"), expected)
-            slave.free()
-            other.free()
-
-        self.both(restored)
+    @both
+    def test_states_are_restored_also_into_another_instance(self, file, version):
+        slave = self.slave(file, version)
+        slave.step(0.0, STEP)
+        slave.set("load_torque", 7.0)
+        state = slave.state()
+        data = slave.serialised(state)
+        slave.step(STEP, STEP)
+        expected = slave.get("ratio")
+        slave.set_state(state)
+        slave.step(STEP, STEP)
+        self.assertEqual(slave.get("ratio"), expected)
+        other = self.slave(file, version)
+        other.set_state(other.deserialised(data))
+        self.assertEqual(other.get("load_torque"), 7.0)
+        other.step(STEP, STEP)
+        self.assertEqual(other.get("ratio"), expected)
 
     def test_a_parameter_changes_the_machine_which_settles_anew(self):
-        def changed(file, version):
-            slave = Slave(file, version, parameters={"tip.friction_coefficient": 0.08})
-            scene = cvtflow.Scene.ready("tiny").with_("tip.friction_coefficient=0.08", 'start.state=""')
-            alone = cvtflow.Simulation(scene)
-            alone.advance_to(0.0)
-            self.assertEqual(slave.get("tip.friction_coefficient"), 0.08)
-            self.assertEqual(slave.get("ratio"), alone.channel("ratio")[0])
-            self.assertRaises(Exception, slave.set, "tip.friction_coefficient", 0.09)  # too late
-            slave.free()
+        slave = self.slave(self.files[3], 3, parameters={"tip.friction_coefficient": 0.08})
+        self.assertEqual(slave.get("tip.friction_coefficient"), 0.08)
+        self.assertEqual(slave.get("ratio"), in_process("tip.friction_coefficient=0.08", 'start.state=""').channel("ratio")[0])
+        self.assertRaises(Exception, slave.set, "tip.friction_coefficient", 0.09)  # too late
 
-        changed(self.files[3], 3)
+    @both
+    def test_importers_are_told_what_is_wrong(self, file, version):
+        slave = self.slave(file, version)
+        for action in (lambda: slave.set("ratio", 1.0), lambda: slave.set("clamping_driving", -1.0), lambda: slave.step(1.0, STEP)):
+            self.assertRaises(Exception, action)
+        slave.step(0.0, STEP)  # and goes on
 
-    def test_importers_are_told_what_is_wrong(self):
-        def refused(file, version):
+    @both
+    def test_they_are_loaded_and_unloaded_a_hundred_times(self, file, version):
+        first = None
+        for _ in range(100):
             slave = Slave(file, version)
-            for action in (lambda: slave.set("ratio", 1.0), lambda: slave.set("clamping_driving", -1.0), lambda: slave.step(1.0, STEP)):
-                self.assertRaises(Exception, action)
-            slave.step(0.0, STEP)  # and goes on
+            slave.step(0.0, 1e-6)
+            first = first or slave.get("ratio")
+            self.assertEqual(slave.get("ratio"), first)
             slave.free()
-
-        self.both(refused)
-
-    def test_they_are_loaded_and_unloaded_a_hundred_times(self):
-        def unloaded(file, version):
-            first = None
-            for _ in range(100):
-                slave = Slave(file, version)
-                slave.step(0.0, 1e-6)
-                first = first or slave.get("ratio")
-                self.assertEqual(slave.get("ratio"), first)
-                slave.free()
-            self.assertNotIn("tiny.so", Path("/proc/self/maps").read_text())
-
-        self.both(unloaded)
-
-
-class EarlyReturn(unittest.TestCase):
-    """Of FMI 3.0 alone."""
+        self.assertNotIn("tiny.so", Path("/proc/self/maps").read_text())
 
     def test_a_step_ends_where_the_importer_asks(self):
+        """Of FMI 3.0 alone."""
         seen = []
 
         def update(_environment, time, _set, get_allowed, _finished, can_return, requested, _when):
@@ -268,22 +245,12 @@ class EarlyReturn(unittest.TestCase):
             if len(seen) == 3:
                 requested[0] = True
 
-        with tempfile.TemporaryDirectory() as folder:
-            file = f"{folder}/tiny.fmu"
-            export(file, 3)
-            extract(file, unzipdir=folder)
-            description = read_model_description(folder)
-            fmu = FMU3Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier="tiny", instanceName="early")
-            fmu.instantiate(earlyReturnAllowed=True, intermediateUpdate=update)
-            fmu.enterInitializationMode()
-            fmu.exitInitializationMode()
-            _, _, early, reached = fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=1e-4)
-            self.assertTrue(early)
-            self.assertAlmostEqual(reached, 3 * STEP, delta=1e-12)
-            self.assertEqual([row[1:] for row in seen], [(True, True)] * 3)
-            fmu.doStep(currentCommunicationPoint=reached, communicationStepSize=STEP)
-            fmu.terminate()
-            fmu.freeInstance()
+        slave = self.slave(self.files[3], 3, earlyReturnAllowed=True, intermediateUpdate=update)
+        _, _, early, reached = slave.step(0.0, 1e-4)
+        self.assertTrue(early)
+        self.assertAlmostEqual(reached, 3 * STEP, delta=1e-12)
+        self.assertEqual([row[1:] for row in seen], [(True, True)] * 3)
+        slave.step(reached, STEP)
 
 
 class Vehicle(unittest.TestCase):
@@ -308,30 +275,13 @@ class Vehicle(unittest.TestCase):
             self.assertEqual(self.run_example("5", "--fmu", file), self.run_example("5"))
 
 
-class Car(unittest.TestCase):
-    """A car that follows a driving cycle, by the step of the description."""
-
-    def test_bits_are_those_of_the_core(self):
-        for version in (2, 3):
-            with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
-                subprocess.run([PROGRAM, "export-fmu", "ece15", "-o", f"{folder}/car.fmu", "-q", "--fmi", str(version), "--outputs", "vehicle/*"], check=True)
-                rows = simulate_fmu(f"{folder}/car.fmu", stop_time=0.2)
-                alone = cvtflow.Simulation(cvtflow.Scene.ready("ece15"))
-                alone.advance_to(0.0)
-                self.assertEqual(len(rows), 201)
-                for row in rows:
-                    alone.advance_to(row["time"])
-                    for name in ("speed", "kinetic", "rolling", "clutch"):
-                        self.assertEqual(row[f"vehicle.{name}"], alone.channel(f"vehicle/{name}")[0])
-
-
 class Description(unittest.TestCase):
     """What importers show."""
 
-    def parts(self, version, *more, environment=None, scene="tiny"):
+    def parts(self, version, *more, environment=None):
         """Roots of the XML files in an FMU, by their names."""
         with tempfile.TemporaryDirectory() as folder:
-            command = [PROGRAM, "export-fmu", scene, "-o", f"{folder}/one.fmu", "-q", "--fmi", str(version), *more]
+            command = [PROGRAM, "export-fmu", "tiny", "-o", f"{folder}/one.fmu", "-q", "--fmi", str(version), *more]
             subprocess.run(command, check=True, env={**os.environ, **(environment or {})})
             with zipfile.ZipFile(f"{folder}/one.fmu") as file:
                 return {name: etree.fromstring(file.read(name)) for name in file.namelist() if name.endswith(".xml")}
@@ -382,11 +332,6 @@ class Description(unittest.TestCase):
                     self.assertIn(f"<td>{name}</td>", page)
                 for text in ("Apache License", "Niels Lohmann", "Victor Zverovich", "Mark Gillard"):
                     self.assertIn(text, licences)
-
-    def test_steps_suit_a_vehicle(self):
-        for scene, until, step in (("ece15", "195 s", "0.001"), ("ece15", "20 ms", "0.001"), ("tiny", "20 ms", "0.0001"), ("tiny", "50 ms", "0.001")):
-            root = self.parts(3, "--set", f"run.until={until}", scene=scene)["modelDescription.xml"]
-            self.assertEqual(root.find("DefaultExperiment").get("stepSize"), step, (scene, until))
 
     def test_author_and_date_are_stated(self):
         plain = self.parts(3)["modelDescription.xml"]

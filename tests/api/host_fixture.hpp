@@ -42,6 +42,13 @@ inline Scene tiny(std::vector<std::string> more = {}) {
     return Scene::read(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml").with(more);
 }
 
+/// Hash after a short run, on the calling thread.
+inline std::uint64_t serial_hash(const Scene& scene, double until) {
+    Simulation simulation(scene);
+    simulation.advance_to(until);
+    return simulation.hash();
+}
+
 /// Threads of this process.
 inline long threads() {
     const std::filesystem::directory_iterator tasks("/proc/self/task");

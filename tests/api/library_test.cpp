@@ -3,8 +3,6 @@
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cvtflow/cvtflow.h>
 #include <array>
@@ -16,6 +14,8 @@
 #include <set>
 #include <sstream>
 #include <string>
+
+#include "command_fixture.hpp"
 
 namespace cvtflow::host {
 namespace {
@@ -113,21 +113,8 @@ bool mapped(const std::string& name) {
     return false;
 }
 
-/// Runs in a child, since this program is linked with the library and could not unload it.
-template <class Action>
-int in_child_program(const Action& action) {
-    const pid_t child = fork();
-    if (child == 0) {
-        alarm(300);
-        _exit(action());
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
 TEST(SharedLibrary, IsLoadedAndUnloadedManyTimes) {
-    EXPECT_EQ(in_child_program([] {
+    EXPECT_EQ(in_child([] {
                   std::uint64_t expected = 0;
                   for (int round = 0; round < 20; ++round) {
                       {
@@ -146,7 +133,7 @@ TEST(SharedLibrary, IsLoadedAndUnloadedManyTimes) {
 }
 
 TEST(SharedLibrary, LivesBesideAnotherVersion) {
-    EXPECT_EQ(in_child_program([] {
+    EXPECT_EQ(in_child([] {
                   const Library one(CVTFLOW_LIBRARY), other(CVTFLOW_NEXT_LIBRARY);
                   if (!one.loaded() || !other.loaded()) return 1;
                   if (std::string(FROM(one, cvtflow_version)()) == FROM(other, cvtflow_version)()) return 2;
@@ -161,19 +148,11 @@ TEST(SharedLibrary, LivesBesideAnotherVersion) {
               0);
 }
 
-std::string output_of(const std::string& command) {
-    std::FILE* pipe = popen(command.c_str(), "r");
-    std::string output;
-    std::array<char, 4096> buffer;
-    while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), size);
-    pclose(pipe);
-    return output;
-}
-
 /// Names with versions that the library shows and that match `pattern` of grep -E.
 std::set<std::string> shown(const std::string& pattern) {
     std::istringstream lines(
-        output_of("nm -D --defined-only --with-symbol-versions '" CVTFLOW_LIBRARY "' | awk '{print $3}' | grep -E '" + pattern + "'"));
+        output_of("nm -D --defined-only --with-symbol-versions '" CVTFLOW_LIBRARY "' | awk '{print $3}' | grep -E '" + pattern + "'")
+            .second);
     std::set<std::string> names;
     for (std::string name; std::getline(lines, name);) names.insert(name);
     return names;

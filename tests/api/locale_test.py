@@ -1,6 +1,6 @@
 """FMU, C interface and Python in a host with a decimal comma, which Qt and GTK hosts set: the same numbers as in "C".
 
-    tests/api/locale_test.py CVTFLOW LIBRARY SCENES COMPILER      with or without the Python module (PYTHONPATH), FMPy (CVTFLOW_FMPY)
+    tests/api/locale_test.py CVTFLOW LIBRARY SCENES COMPILER      with or without the Python module (PYTHONPATH)
 """
 
 import ctypes
@@ -38,10 +38,9 @@ def restart_with_decimal_comma():
 restart_with_decimal_comma()
 PROGRAM, LIBRARY, SCENES, COMPILER = sys.argv[1:5]
 SOURCE = pathlib.Path(__file__).resolve().parent
-FMPY = os.environ.get("CVTFLOW_FMPY", "")
 del sys.argv[1:]
 sys.argv.append(PROGRAM)  # of fmu_stages_test
-from fmu_stages_test import DEEP, OK, Fmu, exported  # noqa: E402
+from fmu_stages_test import DEEP, OK, Fmu  # noqa: E402
 
 try:
     import cvtflow
@@ -97,18 +96,6 @@ class DecimalComma(unittest.TestCase):
                 return subprocess.run(command, check=True, capture_output=True, env={**os.environ, "LC_ALL": name}).stdout
 
             self.assertEqual(run(NAME), run("C"))
-
-    @unittest.skipIf(FMPY == "", "no FMPy (CVTFLOW_FMPY)")
-    def test_fmpy_simulates_the_same(self):
-        sys.path.insert(0, FMPY)
-        from fmpy import simulate_fmu
-
-        with tempfile.TemporaryDirectory() as folder:
-            for version in (2, 3):
-                file, parameter = f"{folder}/tiny{version}.fmu", {FRICTION: 0.08}
-                pathlib.Path(file).write_bytes(exported("tiny", version, ()))
-                plain, comma = in_both(lambda: simulate_fmu(file, stop_time=1e-4, step_size=1e-5, start_values=parameter, output=["ratio", "slip"]))
-                self.assertEqual(comma.tobytes(), plain.tobytes())
 
     def test_the_c_interface_reads_scenes_and_writes_errors_alike(self):
         cvt = ctypes.CDLL(LIBRARY)

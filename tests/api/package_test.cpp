@@ -1,11 +1,8 @@
 /// The installed package as strangers use it: a fresh CMake project, pkg-config, another prefix, and sources inside a host's project.
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 #include <cvtflow/version.hpp>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -13,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "command_fixture.hpp"
 #include "host_fixture.hpp"
 
 namespace cvtflow::host {
@@ -28,11 +26,8 @@ protected:
     /// Standard output and error of a command, which must succeed; $SOURCE and $BUILD are the folders of sources and of the build.
     std::string run(const std::string& command) const {
         const std::string folders = "export SOURCE='" CVTFLOW_SOURCE_DIR "' BUILD='" CVTFLOW_BINARY_DIR "'; ";
-        std::FILE* pipe = popen(("cd '" + folder_.string() + "' && { " + folders + command + "; } 2>&1").c_str(), "r");
-        std::string output;
-        std::array<char, 4096> buffer;
-        while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), size);
-        EXPECT_EQ(pclose(pipe), 0) << command << "\n" << output;
+        const auto [status, output] = output_of("cd '" + folder_.string() + "' && { " + folders + command + "; }");
+        EXPECT_EQ(status, 0) << command << "\n" << output;
         return output;
     }
     /// Installs into p. Other tests get a copy under the same path.

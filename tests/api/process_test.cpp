@@ -3,37 +3,16 @@
 #include <cvtflow/cvtflow.h>
 #include <oneapi/tbb/global_control.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
 #include <thread>
 
+#include "command_fixture.hpp"
 #include "host_fixture.hpp"
 
 namespace cvtflow::host {
 namespace {
-
-/// Hash after a short run, on the calling thread.
-std::uint64_t serial_hash(const Scene& scene, double until) {
-    Simulation simulation(scene);
-    simulation.advance_to(until);
-    return simulation.hash();
-}
-
-/// Runs `action` in a child process; its exit status.
-template <class Action>
-int in_child(const Action& action) {
-    const pid_t child = fork();
-    if (child == 0) {
-        alarm(60);  // a child that hangs ends with a signal
-        _exit(action());
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
 
 /// Whether this is a process in which nothing else has run. If not, the test is run again in one, and its result taken from there.
 bool alone() {

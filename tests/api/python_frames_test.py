@@ -78,6 +78,9 @@ class Recordings(Folder):
         for name in ("energy_suspicion", "state_hash", "method", "step_taken"):
             self.assertEqual(record.attributes[name], there.attributes[name])
         self.assertGreater(record.attributes["wall_seconds"], 0.0)
+        self.assertEqual(record.channels["slip"][-1], simulation.channels["slip"])
+        self.assertEqual(record.channels.shaft_1.torque[-1], simulation.channels.shaft_1.torque)
+        self.assertEqual(repr(record.channels.info["slip"]), repr(simulation.channels.info["slip"]))
 
     def test_calls_that_end_between_outputs_add_no_rows(self):
         simulation = cvtflow.Simulation(tiny('start.state=""'))
@@ -128,6 +131,10 @@ class Records(Folder):
         record, simulation = self.recorded()
         np.testing.assert_array_equal(record["links/tension[3]"], record["links/tension"][:, 3])
         np.testing.assert_array_equal(record.read("links/tension[3]", 2, 2), record["links/tension"][2:4, 3])
+        self.assertRaises(cvtflow.ArgumentError, record.read, "ratio", 5, 2)
+        self.assertEqual((record.rows, record["links/tension"].shape, record.channels.info["links/tension"].unit), (6, (6, 24), "N"))
+        self.assertEqual(sorted(record), sorted(["time", *record.channels]))
+        self.assertEqual(record.attributes["program_version"], cvtflow.__version__)
         states = record.states
         self.assertEqual(len(states), 3)
         np.testing.assert_allclose(states.time, [0.0, 2e-5, 4e-5], atol=1e-7)
@@ -196,8 +203,6 @@ class Records(Folder):
         record, _ = self.recorded()
         axes = record.plot("slip", measured={"time [us]": [10.0, 20.0], "slip [%]": [1.5, 1.6]}).axes[0]
         np.testing.assert_allclose(np.transpose(axes.lines[1].get_data()), [[0.01, 1.5], [0.02, 1.6]])
-        with self.assertRaisesRegex(ValueError, r"its columns \(time, grip\) are none of the channels that are drawn \(slip\)"):
-            record.plot("slip", measured={"time": [0.0], "grip": [1.0]})
 
     def table_of(self, *arguments):
         """Names and values of the series that `cvtflow plot` writes for the record."""
@@ -250,12 +255,7 @@ class Records(Folder):
         self.assertIn("/nowhere.h5", elsewhere["parameters"])
         with unittest.mock.patch.object(cvtflow.Record, "attributes", elsewhere):  # of a run whose start state is not here
             self.assertEqual(cvtflow.Record(self.file).plot_orders("slip").axes[0].get_xlabel(), "order of the passing pins")
-        sparse = "run.output_interval=2 ms", "run.state_interval=2 ms"  # pins pass every 2.4 ms
-        for settings, until, words in (((), "50 us", "orders need 8 rows at least"),
-                                       (sparse, "20 ms", "spectra require run.output_interval below 1.2")):
-            with self.assertRaisesRegex(ValueError, words):
-                self.recorded(*settings, until=until)[0].plot_orders("slip")
-
+        self.assertRaisesRegex(ValueError, "orders need 8 rows at least", self.recorded()[0].plot_orders, "slip")
 
     @unittest.skipUnless(importlib.util.find_spec("xarray") and importlib.util.find_spec("h5netcdf"), "xarray or h5netcdf is not installed")
     def test_records_open_with_named_times_and_units_without_this_package(self):
@@ -370,9 +370,7 @@ class Sweeps(Folder):
             self.assertTrue(axes.bbox.contains(box.x0, box.y0) and axes.bbox.contains(box.x1, box.y1), label.get_text())
         points = results.where(clamping__driving="7 kN").map("load.torque", "clamping.driving", "slip mean").axes[0]
         np.testing.assert_allclose(points.collections[0].get_offsets(), [[12, 7], [6, 7]])
-        several = "several cases at one point of load_torque and load_torque: choose with --where .* among clamping_driving"
-        with self.assertRaisesRegex(ValueError, several):
-            results.map("load.torque", "load.torque", "slip mean")
+        self.assertRaisesRegex(ValueError, "among clamping_driving", results.map, "load.torque", "load.torque", "slip mean")
 
     @pandas_only
     def test_results_become_a_table_over_two_axes_and_cases_are_chosen(self):

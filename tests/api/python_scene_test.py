@@ -2,6 +2,7 @@
 
 import cProfile
 import os
+import pickle
 import tempfile
 import unittest
 import unittest.mock
@@ -40,6 +41,7 @@ class Scenes(unittest.TestCase):
         kept[tiny("load.torque=8 N*m")] = "second"
         kept[tiny()] = "third"
         self.assertEqual((len(kept), kept[tiny()]), (2, "third"))
+        self.assertEqual(kept[pickle.loads(pickle.dumps(tiny()))], "third")
 
     def test_tables_over_time_are_lists_and_arrays(self):
         requested = tiny("load.torque=[[0, 8], [1e-3, 12]]")
@@ -91,10 +93,6 @@ class Scenes(unittest.TestCase):
             self.assertNotIn("--set", str(caught.exception))
             self.assertEqual(caught.exception.code, "scene")
         self.assertRaises(TypeError, tiny().with_, 8)
-        with self.assertRaises(cvtflow.SceneError) as caught:
-            tiny().with_(load__torque=[[0.0, 8.0]] * 5000)
-        self.assertLess(len(str(caught.exception)), 60000)
-        self.assertLess(max(map(len, str(caught.exception).splitlines())), 300)
 
     def test_ready_scenes_are_those_of_the_program(self):
         ready = cvtflow.ready_scenes()
@@ -106,10 +104,6 @@ class Scenes(unittest.TestCase):
             Path(folder, "broken.toml").write_text("[load")
             self.assertEqual(cvtflow.ready_scenes()["mine"], "of my own")
             self.assertNotIn("broken", cvtflow.ready_scenes())
-
-    def test_paths_are_texts_or_path_objects(self):
-        path = Path(SOURCE, "scenes", "tiny.toml")
-        self.assertEqual(cvtflow.Scene.read(path), cvtflow.Scene.read(str(path)))
 
     def test_keys_are_listed_with_help_unit_range_and_default(self):
         keys = cvtflow.Scene.keys()
@@ -154,6 +148,8 @@ class Units(unittest.TestCase):
             (lambda: simulation.advance_to("1 mm"), 'time: "1 mm" is a length, expected a time'),
             (lambda: simulation.advance_to("1"), 'time: "1" has no unit, expected a time'),
             (lambda: simulation.set_input("load_torqe", 9.0), 'there is no .load_torqe. .did you mean "load_torque"'),
+            (lambda: simulation.set_input("clamping_driving", -1.0), r"outside \[0, "),
+            (lambda: simulation.advance_to("-0.3 ms"), "to go back, set a state"),
             (lambda: simulation.set_input("load_torque", "9 N"), 'load_torque: "9 N" is a force, expected a torque'),
             (lambda: cvtflow.quantity("1 parsec", "m"), "unknown unit"),
         ]:
@@ -210,17 +206,6 @@ class Channels(unittest.TestCase):
         self.assertIs(channels.shaft_1, channels.shaft_1)
         self.assertLessEqual(calls(lambda: channels.shaft_1.torque), calls(lambda: channels["shaft_1/torque"]) + 4)
 
-    def test_the_same_words_work_for_a_record_and_for_a_simulation(self):
-        with tempfile.TemporaryDirectory() as folder:
-            file = os.path.join(folder, "r.h5")
-            self.simulation.advance_to(0.0)
-            with cvtflow.Recording(self.simulation, file):
-                self.simulation.advance_to("10 us")
-            record = cvtflow.Record(file)
-            self.assertEqual(record.channels["slip"][-1], self.simulation.channels["slip"])
-            self.assertEqual(record.channels.shaft_1.torque[-1], self.simulation.channels.shaft_1.torque)
-            self.assertEqual(repr(record.channels.info["slip"]), repr(self.simulation.channels.info["slip"]))
-
 
 class Faces(unittest.TestCase):
     def test_everything_shows_what_it_holds(self):
@@ -249,7 +234,9 @@ class WrongTypes(unittest.TestCase):
             (lambda: cvtflow.Scene.read(3.5), r"^Scene\.read\(path: os\.PathLike\).* was called with \(3\.5\)$"),
             (lambda: tiny().with_detail(3), r"^Scene\.with_detail\(preset: str\).* was called with \(3\)$"),
             (lambda: tiny()[3], r"^Scene\.__getitem__\(key: str\).* was called with \(3\)$"),
-            (lambda: cvtflow.Simulation(3), r"^Simulation\(scene: .*\) was called with \(3\)$"),
+            (lambda: cvtflow.Simulation(3), r"^Simulation\(scene: .*Scene.*threads: Threads = Threads.caller\(\).*\) was called with \(3\)$"),
+            (lambda: simulation.set_input("load_torque", [1, 2]), r"^set_input\(.*value.*'load_torque', \[1, 2\]\)$"),
+            (lambda: simulation.advance_to(None), r"^advance_to\(time: .*\(None\)$"),
             (lambda: cvtflow.State.from_bytes("x"), r"^State\.from_bytes\(bytes: bytes\).* was called with \('x'\)$"),
             (lambda: cvtflow.Recording(simulation), r"^Recording\(simulation: Simulation, path: os\.PathLike, replace: .*\) was called with"),
             (lambda: cvtflow.Record(3), r"^expected str, bytes or os.PathLike object, not int$"),
@@ -258,8 +245,9 @@ class WrongTypes(unittest.TestCase):
             (lambda: cvtflow.Threads(2), r"^Threads has no constructor: Threads\.caller\(\), Threads\.private_arena\(n\)"),
             (lambda: simulation.channels[3], r'^a channel has a name, such as "slip", and no number: 3$'),
         ]:
-            with self.assertRaisesRegex(TypeError, message):
+            with self.assertRaisesRegex(TypeError, message) as caught:
                 call()
+            self.assertNotRegex(str(caught.exception), " object at 0x|incompatible")
 
 
 main() if __name__ == "__main__" else None

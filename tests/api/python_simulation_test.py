@@ -3,7 +3,6 @@
 import gc
 import inspect
 import os
-import pickle
 import signal
 import tempfile
 import threading
@@ -47,17 +46,6 @@ class Calls(unittest.TestCase):
             cvtflow.Simulation("tini")
         self.assertEqual(len(cvtflow.run("free_ring", "20 us", channels=["chain_speed"])["time"]), 3)
 
-    def test_state_what_they_take_and_what_they_were_given(self):
-        simulation = cvtflow.Simulation(tiny())
-        for call, words in [(lambda: cvtflow.Simulation(3), r"^Simulation\(scene: .*Scene.*threads: Threads = Threads.caller\(\).*\(3\)$"),
-                            (lambda: simulation.set_input("load_torque", [1, 2]), r"^set_input\(.*value.*'load_torque', \[1, 2\]\)$"),
-                            (lambda: simulation.advance_to(None), r"^advance_to\(time: .*\(None\)$"),
-                            (lambda: cvtflow.tune(3), r"^tune\(scene: .*\(3\)$")]:
-            with self.assertRaisesRegex(TypeError, words) as caught:
-                call()
-            self.assertNotIn(" object at 0x", str(caught.exception))
-            self.assertNotIn("incompatible", str(caught.exception))
-
     def test_have_signatures(self):
         self.assertEqual(list(inspect.signature(cvtflow.Simulation).parameters), ["scene", "threads", "segments"])
         self.assertEqual(list(inspect.signature(cvtflow.Simulation.set_input).parameters), ["self", "input", "value"])
@@ -76,7 +64,7 @@ class Results(unittest.TestCase):
                 for name in names:
                     np.testing.assert_array_equal(rows[name], record[name], name)
 
-    def test_bits_do_not_depend_on_calls_threads_or_pickling(self):
+    def test_bits_do_not_depend_on_calls_threads_or_processes(self):
         whole = hash_at(-2.5e-4)
         parts = cvtflow.Simulation(tiny(), cvtflow.Threads.private_arena(2))
         for number in range(1, 51):
@@ -85,9 +73,8 @@ class Results(unittest.TestCase):
         half = cvtflow.Simulation(tiny())
         half.advance_to(-2.8e-4)
         half.set_input("load_torque", 11.0)
-        other = pickle.loads(pickle.dumps(half))
-        self.assertEqual(other.input("load_torque"), 11.0)
-        self.assertEqual(go_on(other, -2.5e-4), go_on(half, -2.5e-4))
+        with ProcessPoolExecutor(1) as pool:  # the simulation is pickled
+            self.assertEqual(pool.submit(go_on, half, -2.5e-4).result(), go_on(half, -2.5e-4))
         self.assertNotEqual(half.hash(), whole)
 
     def test_arrays_are_views_where_nothing_moves_them(self):
@@ -111,13 +98,6 @@ class Running(unittest.TestCase):
     def test_eight_simulations_step_side_by_side_on_threads(self):
         with ThreadPoolExecutor(8) as pool:
             self.assertEqual(set(pool.map(hash_at, [-2.8e-4] * 8)), {hash_at(-2.8e-4)})
-
-    def test_a_simulation_goes_to_another_process(self):
-        simulation = cvtflow.Simulation(tiny())
-        simulation.advance_to(-2.9e-4)
-        with ProcessPoolExecutor(1) as pool:
-            there = pool.submit(go_on, simulation, -2.8e-4).result()
-        self.assertEqual(there, go_on(simulation, -2.8e-4))
 
     def test_the_lock_is_free_while_stepping(self):
         simulation = cvtflow.Simulation(tiny())
@@ -172,6 +152,7 @@ class Failing(unittest.TestCase):
             (lambda: cvtflow.Record("/nowhere.h5"), cvtflow.RecordError, RuntimeError),
             (lambda: cvtflow.Simulation(tiny("run.max_steps=5")).advance_to(0.0), cvtflow.MaxStepsError, cvtflow.Fault),
             (lambda: cvtflow.Simulation(tiny()).set_input("load_torqe", 1.0), cvtflow.ArgumentError, ValueError),
+            (lambda: cvtflow.Simulation(tiny()).advance_to(-1.0), cvtflow.ArgumentError, ValueError),
         ]:
             with self.assertRaises(kind) as caught:
                 action()
@@ -179,17 +160,6 @@ class Failing(unittest.TestCase):
             self.assertIsInstance(caught.exception, cvtflow.Error)
             self.assertIn(caught.exception.code.split("_")[0], kind.__name__.lower())
             self.assertTrue(str(caught.exception))
-
-    def test_inputs_out_of_range_say_the_range(self):
-        with self.assertRaisesRegex(cvtflow.ArgumentError, r"outside \[0, "):
-            cvtflow.Simulation(tiny()).set_input("clamping_driving", -1.0)
-
-
-    def test_a_time_in_the_past_is_an_error_that_says_how_to_go_back(self):
-        simulation = cvtflow.Simulation(tiny("run.output_interval=1 ms", "run.state_interval=1 ms"))
-        simulation.advance_to("-0.1 ms")
-        with self.assertRaisesRegex(cvtflow.ArgumentError, "to go back, set a state"):
-            simulation.advance_to("-0.15 ms")
 
     def test_objects_without_init_are_refused_by_all_that_they_have(self):
         from cvtflow import _cvtflow
@@ -226,23 +196,6 @@ class Cost(unittest.TestCase):
         gc.collect()
         # One simulation holds some 2 MiB: a leak of one in twenty would show.
         self.assertLess(resident() - before, 16 * 2**20)
-
-    def test_a_channel_by_attributes_costs_about_what_its_name_costs(self):
-        simulation = cvtflow.Simulation(tiny())
-
-        def least(action):
-            times = []
-            for _ in range(20):
-                begin = time.perf_counter()
-                for _ in range(50):
-                    action()
-                times.append(time.perf_counter() - begin)
-            return min(times) / 50
-
-        name, attributes = least(lambda: simulation.channels["shaft_1/torque"]), least(lambda: simulation.channels.shaft_1.torque)
-        print(f"by name {1e6 * name:.1f} us, by attributes {1e6 * attributes:.1f} us")
-        self.assertEqual(simulation.channels.shaft_1.torque, simulation.channels["shaft_1/torque"])
-        self.assertLess(attributes, 10 * name)  # 140 times when every attribute made the list of channels anew
 
     def test_a_call_costs_less_than_two_percent_of_a_tenth_of_a_millisecond(self):
         """All that Python adds to a call is in one that finds nothing to do: arguments, lock, clock, signals."""

@@ -14,16 +14,9 @@
 namespace cvtflow::host {
 namespace {
 
-/// Hash after a short run, on the calling thread.
-std::uint64_t hash_of_serial_run(const Scene& scene, double until) {
-    Simulation simulation(scene);
-    simulation.advance_to(until);
-    return simulation.hash();
-}
-
 TEST(HostThreads, EightThreadsWithFourSimulationsEachGetTheSerialHash) {
     const Scene scene = tiny();
-    const std::uint64_t expected = hash_of_serial_run(scene, -2.5e-4);
+    const std::uint64_t expected = serial_hash(scene, -2.5e-4);
     for (const Threads threads : ways()) {
         std::atomic<int> right = 0;
         {
@@ -83,7 +76,7 @@ TEST(HostThreads, ASimulationMayWanderFromThreadToThread) {
     const Scene scene = tiny();
     Simulation simulation(scene, Threads::private_arena(2));
     for (int k = 1; k <= 5; ++k) std::jthread([&] { simulation.advance_to(-3e-4 + 1e-5 * k); });
-    EXPECT_EQ(simulation.hash(), hash_of_serial_run(scene, -2.5e-4));
+    EXPECT_EQ(simulation.hash(), serial_hash(scene, -2.5e-4));
 }
 
 TEST(HostThreads, ASecondCallIsRefusedWhileOneIsUnderWay) {
@@ -140,7 +133,7 @@ TEST(HostThreads, AWishBeforeTheCallCountsForTheNextOne) {
 
 TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
     const Scene scene = tiny();
-    const std::uint64_t expected = hash_of_serial_run(scene, -2.8e-4);
+    const std::uint64_t expected = serial_hash(scene, -2.8e-4);
     for (const Threads threads : {Threads::current_arena(2), Threads::private_arena(2)}) {
         oneapi::tbb::task_arena arena(2);
         std::atomic<bool> stop = false;
@@ -178,7 +171,7 @@ TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
 
 TEST(HostThreads, OneSimulationPerTaskOfAHostsParallelLoop) {
     const Scene scene = tiny();
-    const std::uint64_t expected = hash_of_serial_run(scene, -2.9e-4);
+    const std::uint64_t expected = serial_hash(scene, -2.9e-4);
     std::atomic<int> right = 0;
     oneapi::tbb::parallel_for(0, 12, [&](int k) {
         const Threads ways[] = {Threads::caller(), Threads::private_arena(2), Threads::current_arena(2)};
@@ -191,7 +184,7 @@ TEST(HostThreads, OneSimulationPerTaskOfAHostsParallelLoop) {
 
 TEST(HostThreads, AHostThatUsesOpenMp) {
     const Scene scene = tiny();
-    const std::uint64_t expected = hash_of_serial_run(scene, -2.9e-4);
+    const std::uint64_t expected = serial_hash(scene, -2.9e-4);
     int right = 0;
 #pragma omp parallel for num_threads(4) reduction(+ : right)
     for (int k = 0; k < 8; ++k) {
@@ -202,65 +195,25 @@ TEST(HostThreads, AHostThatUsesOpenMp) {
     EXPECT_EQ(right, 8);
 }
 
-struct OnSmallStack {
-    const Scene* scene;
-    Threads threads;
-    std::size_t used = 0;
-    bool done = false;
-};
-
-/// A thread on a painted stack; how much of it was overwritten.
-void* run_on_small_stack(void* argument) {
-    auto& job = *static_cast<OnSmallStack*>(argument);
-    Simulation simulation(*job.scene, job.threads);
-    simulation.advance_to(-2.9e-4);
-    simulation.step();
-    static_cast<void>(simulation.channel("ratio"));
-    job.done = true;
-    return nullptr;
-}
-
-TEST(HostThreads, NeedLessThan256KilobytesOfStack) {
-    if (address_sanitizer) GTEST_SKIP() << "a sanitizer puts room between variables";
-    const Scene scene = tiny({"plate.count=64", "detail.joint_points=16", "detail.plates=each"});
-    for (const Threads threads : ways()) {
-        OnSmallStack job{&scene, threads};
-        constexpr std::size_t size = 512 * 1024;
-        std::vector<unsigned char> stack(size + 4096, 0xa5);
-        void* base = stack.data() + 4096 - reinterpret_cast<std::uintptr_t>(stack.data()) % 4096;
-        pthread_attr_t attributes;
-        pthread_attr_init(&attributes);
-        ASSERT_EQ(pthread_attr_setstack(&attributes, base, size), 0);
-        pthread_t thread;
-        ASSERT_EQ(pthread_create(&thread, &attributes, run_on_small_stack, &job), 0);
-        pthread_join(thread, nullptr);
-        pthread_attr_destroy(&attributes);
-        ASSERT_TRUE(job.done);
-        const auto* bytes = static_cast<const unsigned char*>(base);
-        std::size_t untouched = 0;
-        while (untouched < size && bytes[untouched] == 0xa5) ++untouched;
-        RecordProperty("stack_bytes", std::to_string(size - untouched));
-        EXPECT_LT(size - untouched, 256u * 1024u) << static_cast<int>(threads.way());
-    }
-}
-
-/// Makes a simulation on a thread with that much stack. @return the error's text
-std::string error_on_stack(const Scene& scene, std::size_t size) {
+/// Makes a simulation and uses it on a thread with a stack of this size. @param base  where the stack lies; null: anywhere
+/// @return the error's text
+std::string error_on_stack(const Scene& scene, std::size_t size, Threads threads = Threads::caller(), void* base = nullptr) {
     struct Job {
         const Scene& scene;
+        Threads threads;
         std::string text;
-    } job{scene, {}};
+    } job{scene, threads, {}};
     pthread_attr_t attributes;
     pthread_attr_init(&attributes);
-    EXPECT_EQ(pthread_attr_setstacksize(&attributes, size), 0);
+    EXPECT_EQ(base != nullptr ? pthread_attr_setstack(&attributes, base, size) : pthread_attr_setstacksize(&attributes, size), 0);
     const auto work = [](void* argument) -> void* {
         auto& mine = *static_cast<Job*>(argument);
-        try {
-            Simulation simulation(mine.scene);
+        mine.text = error_of([&] {
+            Simulation simulation(mine.scene, mine.threads);
+            simulation.advance_to(-2.9e-4);
             simulation.step();
-        } catch (const Error& error) {
-            mine.text = error.what();
-        }
+            static_cast<void>(simulation.channel("ratio"));
+        });
         return nullptr;
     };
     pthread_t thread;
@@ -270,11 +223,27 @@ std::string error_on_stack(const Scene& scene, std::size_t size) {
     return job.text;
 }
 
+/// The stack is painted, to see how much of it was overwritten.
+TEST(HostThreads, NeedLessThan256KilobytesOfStack) {
+    if (address_sanitizer) GTEST_SKIP() << "a sanitizer puts room between variables";
+    const Scene scene = tiny({"plate.count=64", "detail.joint_points=16", "detail.plates=each"});
+    for (const Threads threads : ways()) {
+        constexpr std::size_t size = 512 * 1024;
+        std::vector<unsigned char> stack(size + 4096, 0xa5);
+        unsigned char* base = stack.data() + 4096 - reinterpret_cast<std::uintptr_t>(stack.data()) % 4096;
+        ASSERT_EQ(error_on_stack(scene, size, threads, base), "no error");
+        std::size_t untouched = 0;
+        while (untouched < size && base[untouched] == 0xa5) ++untouched;
+        RecordProperty("stack_bytes", std::to_string(size - untouched));
+        EXPECT_LT(size - untouched, 256u * 1024u) << static_cast<int>(threads.way());
+    }
+}
+
 TEST(HostThreads, WithTooLittleStackGetAnError) {
     if (address_sanitizer) GTEST_SKIP() << "a sanitizer puts room between variables";
     const Scene scene = tiny();
     EXPECT_NE(error_on_stack(scene, 64 * 1024).find("256 KiB are needed"), std::string::npos);
-    EXPECT_EQ(error_on_stack(scene, 256 * 1024), "");
+    EXPECT_EQ(error_on_stack(scene, 256 * 1024), "no error");
 }
 
 TEST(Scene, TakesSettingsInBraces) {

@@ -119,13 +119,17 @@ class Browser:
                 return answer["result"]
         raise BrowserError(f"{method}: no answer within {seconds} s")
 
-    def open(self, path):
+    def load(self, act, seconds=60):
+        """Acts, and waits until that has loaded a page."""
         self.events.clear()
-        self.call("Page.navigate", {"url": "file://" + os.path.abspath(path)})
-        until = time.monotonic() + 60
+        act()
+        until = time.monotonic() + seconds
         while "Page.loadEventFired" not in self.events:
             if self.message(until) is None:
-                raise BrowserError("the page did not load within 60 s")
+                raise BrowserError(f"the page did not load within {seconds} s")
+
+    def open(self, path):
+        self.load(lambda: self.call("Page.navigate", {"url": "file://" + os.path.abspath(path)}))
 
     def value(self, expression):
         """What an expression of JavaScript is, a promise awaited."""

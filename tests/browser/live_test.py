@@ -39,12 +39,7 @@ def restart(browser):
 
 def reload(browser):
     """Opens the link of the page, which contains the settings."""
-    browser.events.clear()
-    browser.call("Page.reload")
-    end = time.monotonic() + 120
-    while "Page.loadEventFired" not in browser.events:
-        if browser.message(end) is None:
-            raise AssertionError("the page did not load again within 120 s")
+    browser.load(lambda: browser.call("Page.reload"), 120)
     wait(browser, "window.live && live.frames > 0")
 
 

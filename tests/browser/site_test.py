@@ -50,12 +50,6 @@ class Site(unittest.TestCase):
         targets = browser.value(LINKS + ".map((a) => a.href.split('#')[0])")
         return [os.path.relpath(target.removeprefix("file://"), HTML) for target in targets]
 
-    def test_the_sidebar_has_the_order_of_the_table_of_contents(self):
-        named = [page for pages in groups_of_contents().values() for page in pages]
-        listed = [page.removesuffix(".html") for page in self.pages()]
-        self.assertGreater(len(named), 20)
-        self.assertEqual(list(dict.fromkeys(page for page in listed if page in named)), named)
-
     def test_every_page_opens_without_an_error_or_a_request(self):
         pages = self.pages()
         self.assertGreater(len(pages), 30)
@@ -92,11 +86,7 @@ class Site(unittest.TestCase):
         box = browser.value(f"""(() => {{ const b = {LINKS}[2].getBoundingClientRect();
             return [b.left + b.width / 2, b.top + b.height / 2]; }})()""")
         before = browser.value("location.href")
-        browser.events.clear()
-        browser.click(*box)
-        until = time.monotonic() + 60
-        while "Page.loadEventFired" not in browser.events:
-            self.assertIsNotNone(browser.message(until), "the click did not load a page within 60 s")
+        browser.load(lambda: browser.click(*box))
         self.assertNotEqual(browser.value("location.href"), before)
         self.assertEqual(browser.value("document.querySelectorAll('li.toctree-l1.current').length"), 1)
 
@@ -109,9 +99,6 @@ class Site(unittest.TestCase):
         return browser.value("""[...document.querySelectorAll('#search-results li')].map((item) =>
             [item.firstChild.getAttribute('href'), item.firstChild.innerText, item.children[1]?.innerText ?? ''])""")
 
-    def test_the_search_finds_pages(self):
-        self.assertGreater(len(self.results("slip")), 5)
-
     def test_the_search_shows_the_text_around_each_hit(self):
         results = self.results("load.torque")
         for page, heading, excerpt in results:
@@ -123,10 +110,8 @@ class Site(unittest.TestCase):
         self.assertEqual([page for page, _ in definitions], ["docs/scene_reference.html#load"])
         self.assertIn("load.torque · 150 N*m", definitions[0][1])
         self.assertEqual(len({page for page, _, _ in results}), len(results), "each section once")
-        browser.value("document.querySelector('#search-results a[href*=\"#load\"]').click()")
-        until = time.monotonic() + 60
-        while browser.value("location.pathname.endsWith('docs/scene_reference.html') && document.readyState") != "complete":
-            self.assertLess(time.monotonic(), until)
+        browser.load(lambda: browser.value("document.querySelector('#search-results a[href*=\"#load\"]').click()"))
+        self.assertTrue(browser.value("location.pathname.endsWith('docs/scene_reference.html')"))
         self.assertEqual(browser.value("document.querySelector(location.hash).querySelector('h2').innerText.slice(0, 6)"), "[load]")
 
     def test_the_search_lists_the_reference_of_a_name_then_user_pages_and_decisions_last(self):

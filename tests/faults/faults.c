@@ -81,6 +81,13 @@ void _exit(int status) {
     static __typeof__(&name) real; \
     if (real == NULL) real = REAL(name)
 
+/* A row per function: value, name, family, value when it fails, parameters, arguments. */
+#define FAILS(type, name, which, failure, parameters, arguments) \
+    type name parameters {                                       \
+        CACHED(name);                                            \
+        return fails(which) ? failure : real arguments;          \
+    }
+
 #define OPENS(name)                                                                          \
     int name(const char* path, int flags, ...) {                                             \
         va_list rest;                                                                        \
@@ -92,52 +99,19 @@ void _exit(int status) {
     }
 OPENS(open)
 OPENS(open64)
-FILE* fopen(const char* path, const char* mode) {
-    CACHED(fopen);
-    return fails(OPEN) ? NULL : real(path, mode);
-}
-FILE* fopen64(const char* path, const char* mode) {
-    CACHED(fopen64);
-    return fails(OPEN) ? NULL : real(path, mode);
-}
+FAILS(FILE*, fopen, OPEN, NULL, (const char* path, const char* mode), (path, mode))
+FAILS(FILE*, fopen64, OPEN, NULL, (const char* path, const char* mode), (path, mode))
 
-ssize_t read(int file, void* to, size_t size) {
-    CACHED(read);
-    return fails(READ) ? -1 : real(file, to, size);
-}
-ssize_t pread(int file, void* to, size_t size, off_t at) {
-    CACHED(pread);
-    return fails(READ) ? -1 : real(file, to, size, at);
-}
-ssize_t pread64(int file, void* to, size_t size, off64_t at) {
-    CACHED(pread64);
-    return fails(READ) ? -1 : real(file, to, size, at);
-}
+FAILS(ssize_t, read, READ, -1, (int file, void* to, size_t size), (file, to, size))
+FAILS(ssize_t, pread, READ, -1, (int file, void* to, size_t size, off_t at), (file, to, size, at))
+FAILS(ssize_t, pread64, READ, -1, (int file, void* to, size_t size, off64_t at), (file, to, size, at))
 
-ssize_t write(int file, const void* from, size_t size) {
-    CACHED(write);
-    return fails(WRITE) ? -1 : real(file, from, size);
-}
-ssize_t writev(int file, const struct iovec* from, int count) {
-    CACHED(writev);
-    return fails(WRITE) ? -1 : real(file, from, count);
-}
-ssize_t pwrite(int file, const void* from, size_t size, off_t at) {
-    CACHED(pwrite);
-    return fails(WRITE) ? -1 : real(file, from, size, at);
-}
-ssize_t pwrite64(int file, const void* from, size_t size, off64_t at) {
-    CACHED(pwrite64);
-    return fails(WRITE) ? -1 : real(file, from, size, at);
-}
-size_t fwrite(const void* from, size_t size, size_t count, FILE* file) {
-    CACHED(fwrite);
-    return fails(WRITE) ? 0 : real(from, size, count, file);
-}
-int fflush(FILE* file) {
-    CACHED(fflush);
-    return fails(WRITE) ? EOF : real(file);
-}
+FAILS(ssize_t, write, WRITE, -1, (int file, const void* from, size_t size), (file, from, size))
+FAILS(ssize_t, writev, WRITE, -1, (int file, const struct iovec* from, int count), (file, from, count))
+FAILS(ssize_t, pwrite, WRITE, -1, (int file, const void* from, size_t size, off_t at), (file, from, size, at))
+FAILS(ssize_t, pwrite64, WRITE, -1, (int file, const void* from, size_t size, off64_t at), (file, from, size, at))
+FAILS(size_t, fwrite, WRITE, 0, (const void* from, size_t size, size_t count, FILE* file), (from, size, count, file))
+FAILS(int, fflush, WRITE, EOF, (FILE * file), (file))
 
 /* Another program's file takes the name of one that is complete but for its name. */
 static void let_appear(int file) {
@@ -168,34 +142,14 @@ int syncfs(int file) {
     let_appear(file);
     return fails(FSYNC) ? -1 : real(file);
 }
-int fdatasync(int file) {
-    CACHED(fdatasync);
-    return fails(FSYNC) ? -1 : real(file);
-}
-int rename(const char* from, const char* to) {
-    CACHED(rename);
-    return fails(RENAME) ? -1 : real(from, to);
-}
-int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned int flags) {
-    CACHED(renameat2);
-    return fails(RENAME) ? -1 : real(from_folder, from, to_folder, to, flags);
-}
-int ftruncate(int file, off_t size) {
-    CACHED(ftruncate);
-    return fails(TRUNCATE) ? -1 : real(file, size);
-}
-int ftruncate64(int file, off64_t size) {
-    CACHED(ftruncate64);
-    return fails(TRUNCATE) ? -1 : real(file, size);
-}
-int fallocate(int file, int mode, off_t at, off_t size) {
-    CACHED(fallocate);
-    return fails(TRUNCATE) ? -1 : real(file, mode, at, size);
-}
-int fallocate64(int file, int mode, off64_t at, off64_t size) {
-    CACHED(fallocate64);
-    return fails(TRUNCATE) ? -1 : real(file, mode, at, size);
-}
+FAILS(int, fdatasync, FSYNC, -1, (int file), (file))
+FAILS(int, rename, RENAME, -1, (const char* from, const char* to), (from, to))
+FAILS(int, renameat2, RENAME, -1, (int from_folder, const char* from, int to_folder, const char* to, unsigned int flags),
+      (from_folder, from, to_folder, to, flags))
+FAILS(int, ftruncate, TRUNCATE, -1, (int file, off_t size), (file, size))
+FAILS(int, ftruncate64, TRUNCATE, -1, (int file, off64_t size), (file, size))
+FAILS(int, fallocate, TRUNCATE, -1, (int file, int mode, off_t at, off_t size), (file, mode, at, size))
+FAILS(int, fallocate64, TRUNCATE, -1, (int file, int mode, off64_t at, off64_t size), (file, mode, at, size))
 
 #define CONTROLS(name)                                                    \
     int name(int file, int command, ...) {                                \
@@ -210,14 +164,10 @@ int fallocate64(int file, int mode, off64_t at, off64_t size) {
 CONTROLS(fcntl)
 CONTROLS(fcntl64)
 
-void* mmap(void* where, size_t size, int protection, int flags, int file, off_t at) {
-    CACHED(mmap);
-    return fails(MMAP) ? MAP_FAILED : real(where, size, protection, flags, file, at);
-}
-void* mmap64(void* where, size_t size, int protection, int flags, int file, off64_t at) {
-    CACHED(mmap64);
-    return fails(MMAP) ? MAP_FAILED : real(where, size, protection, flags, file, at);
-}
+FAILS(void*, mmap, MMAP, MAP_FAILED, (void* where, size_t size, int protection, int flags, int file, off_t at),
+      (where, size, protection, flags, file, at))
+FAILS(void*, mmap64, MMAP, MAP_FAILED, (void* where, size_t size, int protection, int flags, int file, off64_t at),
+      (where, size, protection, flags, file, at))
 
 /* Names of glibc: dlsym allocates. */
 void* __libc_malloc(size_t);

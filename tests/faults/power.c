@@ -134,6 +134,13 @@ static off64_t place(int file) {
     errno = error; \
     return result
 
+/* A row per function that a line of the log describes: value, name, parameters, arguments, line. */
+#define LOGS(type, name, parameters, arguments, noted) \
+    type name parameters { \
+        REAL(name); \
+        LOGGED(type, real arguments, noted); \
+    }
+
 ssize_t write(int file, const void* from, size_t size) {
     REAL(write);
     const off64_t at = log_file >= 0 ? place(file) : 0;
@@ -156,34 +163,15 @@ ssize_t writev(int file, const struct iovec* from, int count) {
     errno = error;
     return result;
 }
-ssize_t pwrite(int file, const void* from, size_t size, off_t at) {
-    REAL(pwrite);
-    LOGGED(ssize_t, real(file, from, size, at), note_descriptor("write", file, at, result, from));
-}
-ssize_t pwrite64(int file, const void* from, size_t size, off64_t at) {
-    REAL(pwrite64);
-    LOGGED(ssize_t, real(file, from, size, at), note_descriptor("write", file, at, result, from));
-}
-int ftruncate(int file, off_t size) {
-    REAL(ftruncate);
-    LOGGED(int, real(file, size), note_descriptor("size", file, size, 0, NULL));
-}
-int ftruncate64(int file, off64_t size) {
-    REAL(ftruncate64);
-    LOGGED(int, real(file, size), note_descriptor("size", file, size, 0, NULL));
-}
-int fsync(int file) {
-    REAL(fsync);
-    LOGGED(int, real(file), note_descriptor("sync", file, 0, 0, NULL));
-}
-int syncfs(int file) {
-    REAL(syncfs);
-    LOGGED(int, real(file), note_descriptor("syncfs", file, 0, 0, NULL));
-}
-int fdatasync(int file) {
-    REAL(fdatasync);
-    LOGGED(int, real(file), note_descriptor("sync", file, 0, 0, NULL));
-}
+LOGS(ssize_t, pwrite, (int file, const void* from, size_t size, off_t at), (file, from, size, at),
+     note_descriptor("write", file, at, result, from))
+LOGS(ssize_t, pwrite64, (int file, const void* from, size_t size, off64_t at), (file, from, size, at),
+     note_descriptor("write", file, at, result, from))
+LOGS(int, ftruncate, (int file, off_t size), (file, size), note_descriptor("size", file, size, 0, NULL))
+LOGS(int, ftruncate64, (int file, off64_t size), (file, size), note_descriptor("size", file, size, 0, NULL))
+LOGS(int, fsync, (int file), (file), note_descriptor("sync", file, 0, 0, NULL))
+LOGS(int, syncfs, (int file), (file), note_descriptor("syncfs", file, 0, 0, NULL))
+LOGS(int, fdatasync, (int file), (file), note_descriptor("sync", file, 0, 0, NULL))
 
 static void note_path(const char* what, int folder, const char* path, unsigned long long inode) {
     char whole[2 * PATH_MAX];
@@ -201,31 +189,11 @@ static void note_folder(const char* path) {
     if (stat(path, &of) == 0) note_path("mkdir", AT_FDCWD, path, of.st_ino);
 }
 
-int rename(const char* from, const char* to) {
-    REAL(rename);
-    LOGGED(int, real(from, to), note_rename(from, to));
-}
-int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned int flags) {
-    REAL(renameat2);
-    LOGGED(int, real(from_folder, from, to_folder, to, flags), note_rename(from, to));
-}
-int unlink(const char* path) {
-    REAL(unlink);
-    LOGGED(int, real(path), note_path("remove", AT_FDCWD, path, 0));
-}
-int remove(const char* path) {
-    REAL(remove);
-    LOGGED(int, real(path), note_path("remove", AT_FDCWD, path, 0));
-}
-int rmdir(const char* path) {
-    REAL(rmdir);
-    LOGGED(int, real(path), note_path("remove", AT_FDCWD, path, 0));
-}
-int unlinkat(int folder, const char* path, int flags) {
-    REAL(unlinkat);
-    LOGGED(int, real(folder, path, flags), note_path("remove", folder, path, 0));
-}
-int mkdir(const char* path, mode_t mode) {
-    REAL(mkdir);
-    LOGGED(int, real(path, mode), note_folder(path));
-}
+LOGS(int, rename, (const char* from, const char* to), (from, to), note_rename(from, to))
+LOGS(int, renameat2, (int from_folder, const char* from, int to_folder, const char* to, unsigned int flags),
+     (from_folder, from, to_folder, to, flags), note_rename(from, to))
+LOGS(int, unlink, (const char* path), (path), note_path("remove", AT_FDCWD, path, 0))
+LOGS(int, remove, (const char* path), (path), note_path("remove", AT_FDCWD, path, 0))
+LOGS(int, rmdir, (const char* path), (path), note_path("remove", AT_FDCWD, path, 0))
+LOGS(int, unlinkat, (int folder, const char* path, int flags), (folder, path, flags), note_path("remove", folder, path, 0))
+LOGS(int, mkdir, (const char* path, mode_t mode), (path, mode), note_folder(path))

@@ -66,6 +66,13 @@ protected:
         const model::Parameters p = oracle::small_scene();
         return GetParam() == model::PinDetail::rigid ? oracle::with_rigid_pins(p) : p;
     }
+    /// The chain alone, as a ring.
+    [[nodiscard]] model::Parameters ring() const {
+        model::Parameters p = machine();
+        p.detail.pulleys = model::PulleyDetail::absent;
+        p.start.layout = model::StartLayout::ring;
+        return p;
+    }
 };
 
 std::vector<double> slope_of(const model::Variator& variator, const std::vector<double>& y, const std::vector<model::Phase>& phases) {
@@ -85,26 +92,17 @@ double largest(const model::ChainLayout& at, const std::vector<double>& a, const
     return most;
 }
 
-TEST_P(ForceRecipe, KernelsAgreeWithTheOracle) {
+TEST_P(ForceRecipe, KernelsAgreeWithTheOracleAndEnergyAndLossAreObserved) {
     const model::Parameters p = machine();
     const model::Variator variator(p, model::CVTFLOW_FURTHER_ISA);
     const oracle::RandomState random = oracle::random_state(p, 11);
-    const auto expected = oracle::right_hand_side(p, 1e-3, random.state, random.phases).slope;
-    oracle::further_element() = {};
-    const auto without = oracle::right_hand_side(p, 1e-3, random.state, random.phases).slope;
-    const auto found = slope_of(variator, random.state, random.phases);
-    const double size = largest(variator.layout(), expected, std::vector<double>(expected.size()));
-    EXPECT_LT(largest(variator.layout(), found, expected), 1e-12 * size);  // as of all elements (variator_test.cpp)
-    EXPECT_GT(largest(variator.layout(), found, without), 1e-3 * size);
-}
-
-TEST_P(ForceRecipe, EnergyAndLossAreObserved) {
-    const model::Parameters p = machine();
-    const model::Variator variator(p, model::CVTFLOW_FURTHER_ISA);
-    const oracle::RandomState random = oracle::random_state(p, 12);
     const auto expected = oracle::right_hand_side(p, 1e-3, random.state, random.phases);
     oracle::further_element() = {};
     const auto without = oracle::right_hand_side(p, 1e-3, random.state, random.phases);
+    const auto found = slope_of(variator, random.state, random.phases);
+    const double size = largest(variator.layout(), expected.slope, std::vector<double>(expected.slope.size()));
+    EXPECT_LT(largest(variator.layout(), found, expected.slope), 1e-12 * size);  // as of all elements (variator_test.cpp)
+    EXPECT_GT(largest(variator.layout(), found, without.slope), 1e-3 * size);
     model::Observer observer(variator);
     const model::Account account = observer.observe(1e-3, random.state.data(), random.phases.data()).account;
     const std::size_t inner = static_cast<std::size_t>(Loss::inner);
@@ -117,9 +115,7 @@ TEST_P(ForceRecipe, EnergyAndLossAreObserved) {
 
 /// The ledger of a run adds up the observed rates: the power of all forces is the change of energy and the loss.
 TEST_P(ForceRecipe, PowerIsChangeOfEnergyAndLoss) {
-    model::Parameters p = machine();
-    p.detail.pulleys = model::PulleyDetail::absent;
-    p.start.layout = model::StartLayout::ring;
+    const model::Parameters p = ring();
     const model::Variator variator(p, model::CVTFLOW_FURTHER_ISA);
     const oracle::RandomState random = oracle::random_state(p, 13);
     const auto slope = slope_of(variator, random.state, random.phases);
@@ -156,10 +152,8 @@ std::vector<double> oracle_column(const model::Parameters& p, const oracle::Rand
 
 /// Halves: the exact Jacobian. Rigid pins have none: bench/method/jacobian takes differences of their kernels.
 TEST_P(ForceRecipe, JacobianAgreesWithDifferencesOfTheOracle) {
-    model::Parameters p = machine();
+    model::Parameters p = ring();
     oracle::make_conservative(p);
-    p.detail.pulleys = model::PulleyDetail::absent;
-    p.start.layout = model::StartLayout::ring;
     const model::Variator variator(p, model::CVTFLOW_FURTHER_ISA);
     const model::ChainLayout& at = variator.layout();
     const oracle::RandomState random = oracle::random_state(p, 14);

@@ -217,8 +217,9 @@ class FmuTerminals(Program):
 
     def test_and_the_default_experiment_has_communication_steps_that_cost_little(self):
         """Outputs every 10 us are for pictures; importers took them for the communication step, at three times the cost."""
-        for until, step in (("1 ms", "0.0001"), ("40 us", "4e-05"), ("10 s", "0.001"))[:depth(1, 3)]:
-            self.cvtflow(f"export-fmu tiny -q -o t.fmu --force --set 'run.until={until}'")
+        for scene, until, step in (("tiny", "1 ms", "0.0001"), ("ece15", "195 s", "0.001"), ("ece15", "20 ms", "0.001"), ("tiny", "20 ms", "0.0001"),
+                                   ("tiny", "50 ms", "0.001"), ("tiny", "40 us", "4e-05"), ("tiny", "10 s", "0.001"))[:depth(2, 7)]:
+            self.cvtflow(f"export-fmu {scene} -q -o t.fmu --force --set 'run.until={until}'")
             self.has(Path("t.fmu").read_bytes(), f'stepSize="{step}"'.encode())  # the description alone is stored uncompressed
 
     def test_gather_inputs_and_outputs_by_shaft_and_name_only_variables_that_the_fmu_has(self):
