@@ -61,7 +61,9 @@ TEST(Observation, EnergiesLossesAndWorksAreTheOracles) {
         const auto& e = expected.energies;
         const std::array<double, energy_kinds> energies{e.kinetic, e.inner, e.pack, e.plates, e.joints, e.tips, e.supports};
         for (std::size_t k = 0; k < energies.size(); ++k) expect_same(seen.observation.account.energy[k], energies[k], k);
-        if (seen.variator.layout().rigid) EXPECT_NEAR(seen.observation.account.energy[0], e.kinetic, 1e-13 * e.kinetic) << "of no depths";
+        if (seen.variator.layout().rigid) {
+            EXPECT_NEAR(seen.observation.account.energy[0], e.kinetic, 1e-13 * e.kinetic) << "of no depths";
+        }
         for (std::size_t k = 0; k < loss_kinds; ++k) expect_same(seen.observation.account.loss[k], expected.powers.losses[k], k);
         for (std::size_t k = 0; k < work_kinds; ++k) expect_same(seen.observation.work[k], expected.powers.works[k], k);
     }
