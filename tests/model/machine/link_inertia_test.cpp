@@ -47,7 +47,7 @@ TEST(LinkInertia, SolvingInvertsTheMatrix) {
     std::mt19937_64 random(2);
     std::uniform_real_distribution<double> any(-1.0, 1.0);
     for (const auto& [scaling, tolerance] : {std::pair{1.0, 1e-14}, {30.0, 1e-12}}) {
-        for_every_detail([&](Parameters p) {
+        for_every_detail([&, scaling = scaling, tolerance = tolerance](Parameters p) {
             p.detail.mass_scaling = scaling;
             const LinkInertia inertia = link_inertia(p);
             constexpr int size = lateral_size;

@@ -36,7 +36,7 @@ protected:
     }
     [[nodiscard]] std::string out() const { return (folder_ / "out").string(); }
     [[nodiscard]] std::string table() const { return out() + "/cases.h5"; }
-    const engine::Cancellation not_cancelled_;
+    const engine::Cancellation not_cancelled_{};
     const tests::TemporaryFolder folder_{"verified"};
 };
 
