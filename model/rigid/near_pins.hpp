@@ -120,14 +120,17 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
     return false;
 }
 
+/// Copies behind the last pin become the numbers of the first pins. @param count [≤ lanes, ≤ pins]
+inline void unwrap(const RigidColumns& columns, const RowRange& rows, int count) noexcept {
+    const PinLanes copied = first_lanes(count);
+    for (Row row = rows.first; count > 0 && row <= rows.last; row += columns.stride())
+        write(row, 0, select_greater<rigid_lanes>(copied, PinLanes(0.0), read(row, columns.pins()), read(row, 0)));
+}
+
 /// Clears the tips' numbers of pins that are no longer near; moves those of a block that reached beyond the last pin to the first pins.
 inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
     const auto rows = columns.tip.written_rows();
-    const PinLanes copied = first_lanes(beyond);
-    for (const RowRange& part : rows) {  // RigidColumns::unwrap() by vectors
-        for (Row row = part.first; beyond > 0 && row <= part.last; row += columns.stride())
-            write(row, 0, select_greater<rigid_lanes>(copied, PinLanes(0.0), read(row, columns.pins()), read(row, 0)));
-    }
+    for (const RowRange& part : rows) unwrap(columns, part, beyond);
     double *blocks = columns.tip.blocks, *before = columns.tip.blocks_before;
     const int count = static_cast<int>(blocks[-1]);
     if (std::equal(blocks - 1, blocks + count, before - 1)) return;
@@ -146,8 +149,8 @@ inline void clear_tips(RigidColumns& columns) noexcept {
 }
 /// Moves the numbers of a block that reached beyond the last pin to the first pins.
 inline void unwrap_tips(RigidColumns& columns, int beyond) noexcept {
-    columns.unwrap({columns.tip.depth[0], columns.tip.depth[3]}, beyond);
-    for (const RowRange& part : columns.tip.written_rows()) columns.unwrap(part, beyond);
+    unwrap(columns, {columns.tip.depth[0], columns.tip.depth[3]}, beyond);
+    for (const RowRange& part : columns.tip.written_rows()) unwrap(columns, part, beyond);
 }
 
 /// Calls press(block) for blocks that have all near pins. A block that reaches beyond the last pin continues with copies of the first ones.

@@ -208,24 +208,11 @@ public:
     /// Pins including those that fill the last vector, which are copies of the first.
     [[nodiscard]] int padded() const noexcept { return padded_; }
 
-    /// Renews the copies of neighbours.
+    /// Renews the copies of neighbours; kernels have a function that does it by vectors.
     [[gnu::always_inline]] void wrap(const RowRange& rows) const noexcept {
         for (Row values = rows.first; values <= rows.last; values += stride_) {
             values[-1] = values[pins_ - 1];
-            if (pins_ >= rigid_lanes) {
-                std::array<double, rigid_lanes> copy;  // at once: source and target do not overlap, which the compiler cannot know
-                std::memcpy(copy.data(), values, sizeof copy);
-                std::memcpy(values + pins_, copy.data(), sizeof copy);
-            } else {
-                for (int k = pins_; k < pins_ + rigid_lanes; ++k) values[k] = values[k - pins_];
-            }
-        }
-    }
-
-    /// Copies behind the last pin become the numbers of the first pins. @param count [≤ lanes, ≤ pins]
-    [[gnu::always_inline]] void unwrap(const RowRange& rows, int count) const noexcept {
-        for (Row values = rows.first; values <= rows.last; values += stride_) {
-            for (int k = 0; k < count; ++k) values[k] = values[pins_ + k];
+            for (int k = pins_; k < pins_ + rigid_lanes; ++k) values[k] = values[k - pins_];
         }
     }
 

@@ -287,7 +287,7 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
     });
     if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
     finish_near_pins(columns, beyond);
-    if (c.remembers()) columns.unwrap(columns.tip.remembered(), beyond);
+    if (c.remembers()) unwrap(columns, columns.tip.remembered(), beyond);
     wrap(columns, {columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
     sums.store(c, reaction, account);
 }
