@@ -38,8 +38,7 @@ void PulleyModel::add_inertia(const std::array<double, 2>& added) {
     inertia_.clear();
     if (coordinates().size() == 0) return;
     if (!coordinates().elastic()) {
-        for (int shaft = 0; shaft < 2; ++shaft)
-            inertia_.push_back(pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + added[shaft]);
+        for (const double of_shaft : added) inertia_.push_back(shaft_inertia(pulley_, of_shaft));
         inertia_.insert(inertia_.end(), 2, pulley_.sheave_mass);
         return;
     }

@@ -31,6 +31,10 @@ double scaling_speed(const Parameters& p) noexcept {
 
 double grip(const Tip& tip) noexcept { return 2.0 * tip.largest_friction() / portable_cos(tip.angle); }
 
+double shaft_inertia(const Pulley& pulley, double added) noexcept {
+    return pulley.shaft_polar_inertia + 2.0 * pulley.sheave_polar_inertia + added;
+}
+
 double carrying_clamping(double safety, double load, double lever) noexcept { return safety * std::abs(load) / lever; }
 
 double driven_clamping(const Clamping& clamping, double table, double load, double lever) noexcept {
@@ -209,7 +213,7 @@ void ShaftTorques::adopt(const Parameters& p) {
     held_ = {};
     const std::array<double, 2> added{drive_.inertia, load_.inertia}, corner{drive_.governor_frequency, load_.governor_frequency};
     for (std::size_t shaft = 0; shaft < 2; ++shaft) {
-        const double polar = p.pulley.shaft_polar_inertia + 2.0 * p.pulley.sheave_polar_inertia + added[shaft];
+        const double polar = shaft_inertia(p.pulley, added[shaft]);
         const double frequency = 2.0 * std::numbers::pi * corner[shaft];
         governor_[shaft] = {polar * frequency * frequency, 2.0 * polar * frequency};
     }

@@ -155,6 +155,8 @@ struct ControlInstant {
 [[nodiscard]] double scaling_speed(const Parameters& parameters) noexcept;
 /// Friction of all contacts of a pulley along the circumference over its clamping force, 2 mu/cos(beta) [1].
 [[nodiscard]] double grip(const Tip& tip) noexcept;
+/// Inertia of a shaft with its two sheaves about its axis. @param added  of what the shaft drives or is driven by [kg·m²]
+[[nodiscard]] double shaft_inertia(const Pulley& pulley, double added) noexcept;
 /// Clamping force of shaft 2 that carries a load with a safety factor [N]. load [N·m], lever: grip() times the running radius of shaft 2
 /// [m]
 [[nodiscard]] double carrying_clamping(double safety, double load, double lever) noexcept;

@@ -109,7 +109,7 @@ void StrandEnds::take(const Step& step, long number, const Scene& scene, Continu
     model::PulleyCoordinates coordinates;
     coordinates.adopt(scene.parameters);
     const double opening = coordinates.opening(moved->state.data() + layout.pulley_begin(), 0);
-    start = {moved, model::HeldSheave{opening, std::max(0.0, solved[force]), 0.0, 0.0}, start.extrapolated};
+    start = {moved, model::HeldSheave{opening, std::max(0.0, solved[force])}, start.extrapolated};
 }
 
 void StrandEnds::keep(long number, const Scene& scene, Simulation& simulation, const SectionMean& sections, const RunMeans& means) {
