@@ -74,6 +74,17 @@ class Batch(Program):
                                                  "  run.until = 4e-5 in the table, 5e-5 in the sweep\n")
         self.assertEqual(self.column("hash"), before)
 
+    def test_of_another_version_with_other_keys_is_refused_with_both_versions_and_a_few_of_the_keys(self):
+        write_sweep("6")
+        self.batch()
+        keys = "".join(f"old.key_{number} = 1\n" for number in range(9))
+        put_attribute("out/cases.h5", "definition", keys + attribute("out/cases.h5", "definition"))
+        put_attribute("out/cases.h5", "program", OTHER)
+        lines = self.err("resume out").splitlines()
+        self.assertRegex(lines[0], r"out/cases.h5: results of another sweep, by cvtflow 0\.1\.0 \(deadbeef\), where this is .*; use another "
+                                   r"folder \(-o\):\Z")
+        self.assertEqual((lines[1], len(lines), lines[-1]), ("  old.key_0 = 1 in the table, nothing in the sweep", 8, "  and 3 more"))
+
     def test_into_a_folder_that_another_writes_is_refused(self):
         write_sweep("6", "20 ms")
         self.start("batch sweep.toml -o out -q")

@@ -234,7 +234,17 @@ void require_same_sweep(const std::string& path, const engine::CaseTable& there,
         if (!was.contains(key)) lines.push_back(fmt::format("  {} = nothing in the table, {} in the sweep", key, text));
     }
     if (lines.empty() && there.layout.columns() != here.layout.columns()) lines.emplace_back("  the columns differ");
-    if (!lines.empty()) throw SimulationError(fmt::format("{}: results of another sweep:\n{}", path, fmt::join(lines, "\n")));
+    if (lines.empty()) return;
+    const std::string theirs = there.attribute("program"), ours = engine::version_text();
+    if (theirs == ours) throw SimulationError(fmt::format("{}: results of another sweep:\n{}", path, fmt::join(lines, "\n")));
+    constexpr std::size_t most = 6;  // another version knows other keys
+    if (lines.size() > most) {
+        const std::size_t further = lines.size() - most;
+        lines.resize(most);
+        lines.push_back(fmt::format("  and {} more", further));
+    }
+    throw SimulationError(fmt::format("{}: results of another sweep, by cvtflow {}, where this is {}; use another folder (-o):\n{}", path,
+                                      theirs, ours, fmt::join(lines, "\n")));
 }
 
 bool is_hashed(std::string_view column) noexcept { return std::ranges::find(unhashed, column) == std::end(unhashed); }
