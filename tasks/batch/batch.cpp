@@ -217,15 +217,22 @@ private:
             if (std::find(first, first + strand, char{1}) == first + strand) continue;
             for (long k = 0; k < strand; ++k) cases_.push_back(first - taken.begin() + k);
         }
+        taken_ = std::ssize(cases_);
     }
 
-    /// Claims more cases for a worker. @return whether there are any
+    /// Claims more cases for a worker, but not again those of rows whose claims were lost. @return whether there are any
     bool claim() {
         if (!options_.shard.claims() || options_.part.only) return false;
-        const engine::Claim claimed =
-            engine::claim_cases(claims_file(options_.folder), options_.shard.number, sweep_.cases(), sweep_.strand());
-        for (long number = claimed.first; number < claimed.end(); ++number) cases_.push_back(number);
-        return claimed.cases > 0;
+        const std::size_t before = cases_.size();
+        while (cases_.size() == before) {
+            const engine::Claim claimed =
+                engine::claim_cases(claims_file(options_.folder), options_.shard.number, sweep_.cases(), sweep_.strand());
+            if (claimed.cases == 0) return false;
+            for (long number = claimed.first; number < claimed.end(); ++number) {
+                if (!std::binary_search(cases_.begin(), cases_.begin() + taken_, number)) cases_.push_back(number);
+            }
+        }
+        return true;
     }
 
     /// The existing table; if a power cut has torn it, its intact rows.
@@ -382,6 +389,7 @@ private:
     StartStates starts_;
     BatchControl control_;
     std::vector<long> cases_;
+    std::ptrdiff_t taken_ = 0;  ///< first of a worker's cases, ascending: those that it had when it began
     FailingAlike failing_alike_;
     std::vector<char> done_;
     std::size_t position_ = 0;

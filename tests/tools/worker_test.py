@@ -77,7 +77,7 @@ class Worker(Program):
                         b"       1            5            1\n" + whole_claims[35:]):  # what a power cut leaves of pages
             Path("out/cases.h5").unlink(missing_ok=True)
             claims.write_bytes(damaged)
-            self.assertEqual(hash_in(self.worker("", None).out), whole)
+            self.assertEqual(hash_in(self.worker().out), whole)
         Path("out/cases.h5").unlink(missing_ok=True)
         claims.write_bytes(b"mine\n")
         self.assertEqual(self.worker("", 1).err, "cvtflow: out/workers/claims: not the claims of a sweep's workers; move it away\n")
