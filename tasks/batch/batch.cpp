@@ -328,21 +328,40 @@ private:
         return {folder / "checkpoints", folder / "records", folder / "continuation", options_.checkpoint_every, options_.mixed};
     }
 
-    /// Text of RepeatedCases for some cases that ended well, repeated without continuation one after the other. Empty if stopped.
+    /// Text of RepeatedCases for some cases that ended well, repeated without continuation. Empty if stopped.
     /// @param longer whether for three times as long, beside their stated errors
     std::string repeat(OrderedRows& rows, const std::vector<long>& cases, bool longer) {
-        RepeatedCases changes(sweep_, longer);
-        std::unique_ptr<CaseEngine> engine;
+        struct Again {
+            long number;
+            double until;
+            CaseResult result;
+        };
+        std::vector<Again> all;
         const engine::RowLayout& layout = rows.head().layout;
         for (const long number : cases) {
             const auto row = rows.of_case(number);
             if (row.empty() || layout.text(row, layout.column("status")) != status_name(CaseStatus::ok)) continue;
             const double times = layout.text(row, layout.column("start")) == "extrapolated" ? 12.0 : 6.0;  // its start is better
-            const double until = longer ? sweep_.from + times * (layout.real(row, layout.column("settled_for")) - sweep_.from) : 0.0;
-            if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
-            const CaseResult& again = engine->run_from_own_start(number, until);
-            if (again.status == CaseStatus::stopped) return {};
-            if (again.status == CaseStatus::ok) changes.add(layout, row, again);
+            all.push_back(
+                {number, longer ? sweep_.from + times * (layout.real(row, layout.column("settled_for")) - sweep_.from) : 0.0, {}});
+        }
+        BatchControl control(threads_, options_.grace, cancel_, options_.notice);
+        std::vector<std::unique_ptr<CaseEngine>> engines(static_cast<std::size_t>(threads_));
+        const auto next = [&, job = 0L](int) mutable -> std::optional<long> {
+            if (job < std::ssize(all) && !cancel_.requested()) return job++;
+            control.idle();
+            return {};
+        };
+        engine::run_jobs(threads_, options_.pin, next, [&](int worker, long job) {
+            auto& engine = engines[static_cast<std::size_t>(worker)];
+            if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control, places());
+            Again& again = all[static_cast<std::size_t>(job)];
+            again.result = engine->run_from_own_start(again.number, again.until);
+        });
+        RepeatedCases changes(sweep_, longer);
+        for (const Again& again : all) {
+            if (again.result.number < 0 || again.result.status == CaseStatus::stopped) return {};
+            if (again.result.status == CaseStatus::ok) changes.add(layout, rows.of_case(again.number), again.result);
         }
         return changes.text();
     }
