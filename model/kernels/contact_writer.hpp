@@ -26,6 +26,8 @@ struct NoContacts {
     static constexpr TipSearch* search() noexcept { return nullptr; }
     static constexpr const HeldInverse* held() noexcept { return nullptr; }
     [[nodiscard]] static int rows(int, int) noexcept { return 0; }
+    [[nodiscard]] static int joint_rows(int) noexcept { return 0; }
+    static void frames(int, const auto& /*frame*/) noexcept {}
     static void link(int, int, const auto& /*columns*/) noexcept {}
     static void gap(int, AccountPart, const auto& /*rate*/) noexcept {}
     static void tip(const auto& /*links*/, int, const auto&...) noexcept {}
@@ -97,16 +99,21 @@ public:
     /// Rows of the field for the links group, …
     [[nodiscard]] Rows rows(int group, int count) const noexcept { return rows_of(field_.columns, group, count); }
 
-    /// The links' frames and velocities.
-    void link(int group, int count, const LinkColumns<W>& columns) const noexcept {
-        const Rows to = rows(group, count);
-        to.put(ContactComponents::frame_x, columns.frame.tx);
-        to.put(ContactComponents::frame_y, columns.frame.ty);
-        to.put(ContactComponents::inverse_length, columns.frame.inverse_length);
-        velocities(group, count, columns.v());
+    /// Rows of the field for the joints behind the links group, …, that in front of the range's last link included.
+    [[nodiscard]] Rows joint_rows(int group) const noexcept { return rows_beyond(group, 0); }
+
+    /// The links' frames, also of one link on each side of the range.
+    void frames(int group, const LinkFrameOf<V>& frame) const noexcept {
+        const Rows to = rows_beyond(group, -1);
+        to.put(ContactComponents::frame_x, frame.tx);
+        to.put(ContactComponents::frame_y, frame.ty);
+        to.put(ContactComponents::inverse_length, frame.inverse_length);
     }
 
-    /// @param to rows() of the links
+    /// The links' velocities.
+    void link(int group, int count, const LinkColumns<W>& columns) const noexcept { velocities(group, count, columns.v()); }
+
+    /// @param to joint_rows() of the links
     void joint(const Rows& to, int point, const JointMotion<W>& m, const V& normal) const noexcept {
         const int row = field_.components.joint(point);
         to.put(row + Joint::normal_x, m.nx);
@@ -163,16 +170,6 @@ public:
         for (int row = 0; row < link_layout.link_size(); ++row) to.put(row, rows[row]);
     }
 
-    /// Ghost columns, one on each side of the chain's, where the range holds the link that they repeat.
-    void repeat(int links) const noexcept {
-        if (!range_.ghosts) return;
-        const auto copy = [&](int from, int to) {
-            for (int row = 0; row < field_.components.count(); ++row) *field_.columns.at(row, to) = *field_.columns.at(row, from);
-        };
-        if (range_.first == 0) copy(1, 1 + links);
-        if (range_.last == links) copy(links, 0);
-    }
-
 private:
     /// Velocities at the step's beginning, counted from those passed over. @param v of these, rows of the coordinates
     void velocities(int group, int count, const V* v) const noexcept {
@@ -191,6 +188,12 @@ private:
     [[nodiscard]] GroupRows<W, Any> rows_of(ColumnsOf<Any>& columns, int group, int count) const noexcept {
         return {columns.at(0, range_.first + group + range_.shift), columns.stride(), std::max(0, -group),
                 std::min({count, W, range_.last - range_.first - group})};
+    }
+
+    /// Rows of the field for links from `first`, counted from the range's first, to the one behind its last.
+    [[nodiscard]] Rows rows_beyond(int group, int first) const noexcept {
+        return {field_.columns.at(0, range_.first + group + range_.shift), field_.columns.stride(), std::max(0, first - group),
+                std::min(W, range_.last - range_.first + 1 - group)};
     }
 
     /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.

@@ -100,10 +100,10 @@ struct StepInput {
 
 /// Results of each link: written by the link's segment (Field::load, account, link_error), summed by the controller in a fixed order.
 struct LinkFields {
-    std::vector<model::LinkLoad> loads;  ///< [links]
-    std::vector<model::SheaveSum>
-        sums;                     ///< [variator.sums()] of loads; by the segment that has all links of a sum, in a fused evaluate cycle
-    std::vector<int> split_sums;  ///< sums whose links several segments share
+    model::LineVector<model::LinkLoad> loads;  ///< [links]
+    /// [2 variator.sums()] of loads, of other shafts behind; by the segment that has all links of a sum, in a fused evaluate cycle
+    model::LineVector<model::SheaveSum> sums;
+    std::vector<int> split_sums;           ///< sums whose links several segments share
     std::vector<model::Account> accounts;  ///< [links * account_parts], by an observe cycle; with a ledger in the state by every evaluation
     std::vector<model::LinkContact> contacts;  ///< [links] by an observe cycle, where `observed` is set
     bool observed = false;                     ///< set before an observe cycle: what it leaves is for observers, too, until the next step

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "tasks/step/assembly/segment_tasks.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -50,11 +49,7 @@ void SegmentEdges::take(const SegmentColumns& columns, model::FloatColumns& fiel
 
 SegmentFields::SegmentFields(const Workspace& w, const model::FrictionOperator& friction, std::vector<int> rows,
                              std::vector<std::size_t> outlasting, const std::vector<int>& edges)
-    : friction_(friction),
-      rows_(std::move(rows)),
-      outlasting_(std::move(outlasting)),
-      edges_{SegmentEdges(model::ContactField(w.variator.chain()).components.count())} {
-    for (const int each : edges) edges_.emplace_back(each);
+    : friction_(friction), rows_(std::move(rows)), outlasting_(std::move(outlasting)), edges_(edges.begin(), edges.end()) {
     moving_.resize(outlasting_.size() * at(rows_[outlasting_.front()] * w.layout().links));
     columns_.lay_out(w.partition);
     make_room();
@@ -91,7 +86,20 @@ void SegmentFields::repartition(const Partition& partition) {
     columns_.lay_out(partition);
     make_room();
     room = moving_.data();
-    for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](float& number) { number = *room++; });
+    for (const std::size_t field : outlasting_) set(field, [&] { return *room++; });
+}
+
+/// Ghost columns too: what their owners have.
+template <class Next>
+void SegmentFields::set(std::size_t field, const Next& next) {
+    for_numbers(*this, field, [&](float& number) { number = next(); });
+    for (int s = 0; s < columns_.segments(); ++s) {
+        for (const GhostColumn& ghost : columns_.ghosts(s)) {
+            const int from = ghost.place == 0 ? SegmentColumns::first : columns_.segment(ghost.owner).size();
+            for (int row = 0; row < rows_[field]; ++row)
+                *(*this)[s].of[field].at(row, ghost.column) = *(*this)[ghost.owner].of[field].at(row, from);
+        }
+    }
 }
 
 std::size_t SegmentFields::bytes() const noexcept {
@@ -105,7 +113,7 @@ std::size_t SegmentFields::bytes() const noexcept {
 }
 
 void SegmentFields::clear(std::size_t field) noexcept {
-    for_numbers(*this, field, [](float& number) { number = 0.0F; });
+    set(field, [] { return 0.0F; });
 }
 
 void SegmentFields::save(std::size_t field, std::vector<double>& memory) const {
@@ -114,7 +122,7 @@ void SegmentFields::save(std::size_t field, std::vector<double>& memory) const {
 
 void SegmentFields::load(std::size_t field, std::span<const double>& memory) {
     const double* from = pop_front(memory, at(rows_[field] * friction_.chain().layout().links)).data();
-    for_numbers(*this, field, [&](float& number) { number = static_cast<float>(*from++); });
+    set(field, [&] { return static_cast<float>(*from++); });
 }
 
 KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges)
@@ -122,18 +130,17 @@ KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<st
       fields(w, friction, std::move(rows), std::move(outlasting), edges),
       normal_loads_(at(w.layout().links)) {}
 
-void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment,
-                        model::TipSearch* search) noexcept {
+void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment, model::TipSearch* search,
+                        GhostLink* ghosts) noexcept {
     SegmentFields::Fields& f = fields[segment];
     const Segment& bounds = w.partition[segment];
-    const double* window = advance_window(w, segment, friction.kernels().advance);
+    const double* window = advance_window(w, segment, friction.kernels().advance, ghosts);
     const int shift = fields.columns().shift(segment), begin = w.layout().link_begin(bounds.first);
-    const model::ChainRange range{bounds.first, bounds.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, false};
+    const model::ChainRange range{bounds.first, bounds.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift};
     model::LinkLoad* loads = normal_loads_.data() + bounds.first;
     friction.record(range, drift, {w.states[0] + begin, f.contacts, f.of[frictionless], f.start}, loads, search);
     for (int row = 0; row < 3 * model::tips_per_link; ++row)
         std::fill_n(f.mean_tip_forces.at(row, SegmentColumns::first), bounds.size(), 0.0F);
-    fields.give(SegmentFields::contact_edges, f.contacts.columns, segment);
 }
 
 model::FrictionRange KickSystem::range_of(const Workspace& w, double time, const model::FloatColumns& velocity, int segment) noexcept {

@@ -8,7 +8,7 @@
 
 #include "model/contact/contact_field.hpp"
 #include "model/contact/friction_operator.hpp"
-#include "tasks/step/workspace.hpp"
+#include "tasks/step/assembly/segment_tasks.hpp"
 
 namespace cvtflow::tasks {
 
@@ -75,8 +75,6 @@ private:
 class SegmentFields {
 public:
     using Columns = model::FloatColumns;
-    /// Numbers of edges: those of the contacts, the first of the method's.
-    enum Edges : std::size_t { contact_edges, further_edges };
 
     /// Data of one segment. Column = link + shift of the segment.
     struct Fields {
@@ -89,7 +87,7 @@ public:
     };
 
     /// @param rows of each further field   @param outlasting fields that outlast a step, with equally many rows
-    /// @param edges rows of what segments hand over beside contacts
+    /// @param edges rows of what segments hand over
     SegmentFields(const Workspace& workspace, const model::FrictionOperator& friction, std::vector<int> rows,
                   std::vector<std::size_t> outlasting, const std::vector<int>& edges);
 
@@ -101,7 +99,7 @@ public:
     /// Memory that a step touches [B]: no room for what borders move through, nothing that is computed on demand.
     [[nodiscard]] std::size_t bytes() const noexcept;
 
-    /// Hands over a segment's part of a field (or of its contacts) to its neighbours.
+    /// Hands over a segment's part of a field to its neighbours.
     void give(std::size_t edge, const Columns& field, int segment) noexcept { edges_[edge].give(columns_, field, segment); }
     /// Takes over what its neighbours have given.
     void take(std::size_t edge, Columns& field, int segment) const noexcept { edges_[edge].take(columns_, field, segment); }
@@ -125,6 +123,9 @@ public:
 private:
     [[nodiscard]] Fields make_fields(int width) const;
     void make_room();
+    /// Sets the numbers of a field to what next() returns, rows of all links one after the other.
+    template <class Next>
+    void set(std::size_t field, const Next& next);
     /// Calls visit(number) for all numbers of a field, rows of all links one after the other.
     template <class Self, class Visit>
     static void for_numbers(Self& self, std::size_t field, const Visit& visit) {
@@ -136,9 +137,9 @@ private:
     std::vector<int> rows_;                ///< [field] of further fields
     std::vector<std::size_t> outlasting_;  ///< fields
     SegmentColumns columns_;
-    std::vector<Fields> fields_;  ///< [segment], or more
-    std::vector<SegmentEdges> edges_;
-    std::vector<float> moving_;  ///< [outlasting][rows][links] room for what borders move through
+    std::vector<Fields> fields_;       ///< [segment], or more
+    std::vector<SegmentEdges> edges_;  ///< [edge]
+    std::vector<float> moving_;        ///< [outlasting][rows][links] room for what borders move through
 };
 
 /// Contacts and forces of a leapfrog's step by segments. Velocities inside a step are floats, which count from those of the record.
@@ -148,10 +149,10 @@ public:
     KickSystem(const Workspace& workspace, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges);
 
     /// Body of a task: contacts of a segment's links at the stage state of workspace.step.row, all other forces there as accelerations in
-    /// the further field `frictionless`, and velocities at the step's start; hands over the contacts. No mean forces of tips so far.
-    /// @param search decides which tips touch; nullptr: they do as they did
+    /// the further field `frictionless`, and velocities at the step's start. No mean forces of tips so far.
+    /// @param search decides which tips touch; nullptr: they do as they did   @param ghosts as for advance_window
     void record(Workspace& workspace, const model::ContactDrift& drift, std::size_t frictionless, int segment,
-                model::TipSearch* search = nullptr) noexcept;
+                model::TipSearch* search = nullptr, GhostLink* ghosts = nullptr) noexcept;
     /// A segment's links with velocities of columns like its fields'. time [s]
     [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const model::FloatColumns& velocity,
                                                 int segment) noexcept;
@@ -168,7 +169,7 @@ public:
 private:
     void add_loads(Workspace& workspace, int segment) const noexcept;
 
-    std::vector<model::LinkLoad> normal_loads_;  ///< [links]
+    model::LineVector<model::LinkLoad> normal_loads_;  ///< [links]
 };
 
 }  // namespace cvtflow::tasks

@@ -125,7 +125,7 @@ void PassCycles::add_tasks(engine::TaskGraph& graph, const Workspace& w, const c
             const int round = item / segments, s = item % segments;
             const bool even = round % 2 == 0;
             LinkAccesses accesses(w, s);
-            accesses.with_halo(Field::contact)
+            accesses.inside(Field::contact, false)
                 .with_halo(even ? Field::velocity_read : Field::velocity_kept)
                 .inside(Field::phase, false)
                 .inside(even ? Field::velocity_kept : Field::velocity_read, true);
