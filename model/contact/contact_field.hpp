@@ -82,8 +82,8 @@ struct TipReactions {
 
 /// The step in whose middle a field is recorded.
 struct ContactDrift {
-    double step = 0.0;         ///< h [s]
-    SheaveMotion change[4]{};  ///< changes of the sheaves' velocities over the step
+    double step = 0.0;      ///< h [s]
+    double change[4][6]{};  ///< changes of the sheaves' velocities over the step: vx, vy, vz, spins
 };
 
 /// Search in a record for the tips that touch: those that penetrate, and those that touched and have not receded by more than `release`.

@@ -199,21 +199,19 @@ private:
     /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.
     void surface(const Rows& to, int corner, const TipMotion<V>& m, const SheaveMotionLanes<W>& s, const V& shaft) const noexcept {
         const Vector3<V>& p = m.sheave_arm;
-        const SheaveMotion& first = drift_.change[corner % 2];
-        const SheaveMotion& second = drift_.change[2 + corner % 2];
-        const auto change = [&](double SheaveMotion::*number) {
-            return select_greater<W>(shaft, V(0.5), V(second.*number), V(first.*number));
+        const auto change = [&](int number) {
+            return select_greater<W>(shaft, V(0.5), V(drift_.change[2 + corner % 2][number]), V(drift_.change[corner % 2][number]));
         };
         const V x = s.spin_y * p.z - s.spin_z * p.y, y = s.spin_z * p.x - s.spin_x * p.z, z = s.spin_x * p.y - s.spin_y * p.x;
-        const V cx = change(&SheaveMotion::spin_x), cy = change(&SheaveMotion::spin_y), cz = change(&SheaveMotion::spin_z);
+        const V cx = change(3), cy = change(4), cz = change(5);
         const double h = drift_.step;
         const int row = field_.components.tip(corner);
         to.put(row + Tip::sheave, -m.material.x);
         to.put(row + Tip::sheave + 1, -m.material.y);
         to.put(row + Tip::sheave + 2, -m.material.z);
-        to.put(row + Tip::drift, change(&SheaveMotion::vx) + cy * p.z - cz * p.y + h * (s.spin_y * z - s.spin_z * y));
-        to.put(row + Tip::drift + 1, change(&SheaveMotion::vy) + cz * p.x - cx * p.z + h * (s.spin_z * x - s.spin_x * z));
-        to.put(row + Tip::drift + 2, change(&SheaveMotion::vz) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
+        to.put(row + Tip::drift, change(0) + cy * p.z - cz * p.y + h * (s.spin_y * z - s.spin_z * y));
+        to.put(row + Tip::drift + 1, change(1) + cz * p.x - cx * p.z + h * (s.spin_z * x - s.spin_x * z));
+        to.put(row + Tip::drift + 2, change(2) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
     }
 
     /// Speeds between which the branch of the law of a tip's phase has its kink.

@@ -93,7 +93,7 @@ FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, const Kick& kick)
     : w_(workspace),
       frame_(workspace),
       kick_(workspace, std::vector(count, workspace.layout().link_size()), {base, mode, base + 1},
-            std::vector(kick_state_slots + 1, workspace.layout().link_size())),
+            std::vector(kick_state_slots + 1, SegmentEdges(workspace.layout()))),
       spectrum_(kick_, mode, mode_edges),
       tables_(kick) {
     FrictionLeapfrog::restart();

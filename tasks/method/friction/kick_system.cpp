@@ -1,11 +1,24 @@
 #include "tasks/method/friction/kick_system.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
+
+namespace {
+
+/// Rows of velocities of a link that move the joint at one of its ends.
+[[nodiscard]] std::vector<int> near_joint(const model::ChainLayout& at, model::End end) {
+    const model::End other = end == model::End::rear ? model::End::front : model::End::rear;
+    std::vector<int> rows{at.z(end), at.e(end), at.x(other, 0), at.y(other, 0)};
+    for (int m = 0; m < at.lateral(); ++m) rows.insert(rows.end(), {at.x(end, m), at.y(end, m)});
+    return rows;
+}
+
+}  // namespace
 
 void SegmentColumns::lay_out(const Partition& partition) {
     segments_.assign(partition.segments().begin(), partition.segments().end());
@@ -21,9 +34,16 @@ void SegmentColumns::lay_out(const Partition& partition) {
     }
 }
 
-SegmentEdges::SegmentEdges(int rows) : rows_(rows) {
+SegmentEdges::SegmentEdges(int rows) : SegmentEdges({std::vector<int>(at(rows)), std::vector<int>(at(rows))}) {
+    for (std::vector<int>& each : rows_) std::iota(each.begin(), each.end(), 0);
+}
+
+SegmentEdges::SegmentEdges(const model::ChainLayout& at)
+    : SegmentEdges({near_joint(at, model::End::rear), near_joint(at, model::End::front)}) {}
+
+SegmentEdges::SegmentEdges(std::array<std::vector<int>, 2> rows) : rows_(std::move(rows)) {
     constexpr int line = model::FloatColumns::line;
-    stride_ = (rows + line - 1) / line * line;
+    stride_ = (static_cast<int>(rows_[0].size()) + line - 1) / line * line;
 }
 
 void SegmentEdges::make_room(int segments) {
@@ -34,22 +54,20 @@ void SegmentEdges::give(const SegmentColumns& columns, const model::FloatColumns
     constexpr int first = SegmentColumns::first;
     float* front = packed_.data() + place(segment, 0);
     float* back = packed_.data() + place(segment, 1);
-    for (int row = 0; row < rows_; ++row) {
-        front[row] = *field.at(row, first);
-        back[row] = *field.at(row, first + columns.segment(segment).size() - 1);
-    }
+    for (const int row : rows_[0]) *front++ = *field.at(row, first);
+    for (const int row : rows_[1]) *back++ = *field.at(row, first + columns.segment(segment).size() - 1);
 }
 
 void SegmentEdges::take(const SegmentColumns& columns, model::FloatColumns& field, int segment) const noexcept {
     for (const GhostColumn& ghost : columns.ghosts(segment)) {
         const float* from = packed_.data() + place(ghost.owner, ghost.place);
-        for (int row = 0; row < rows_; ++row) *field.at(row, ghost.column) = from[row];
+        for (const int row : rows_[at(ghost.place)]) *field.at(row, ghost.column) = *from++;
     }
 }
 
 SegmentFields::SegmentFields(const Workspace& w, const model::FrictionOperator& friction, std::vector<int> rows,
-                             std::vector<std::size_t> outlasting, const std::vector<int>& edges)
-    : friction_(friction), rows_(std::move(rows)), outlasting_(std::move(outlasting)), edges_(edges.begin(), edges.end()) {
+                             std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges)
+    : friction_(friction), rows_(std::move(rows)), outlasting_(std::move(outlasting)), edges_(std::move(edges)) {
     moving_.resize(outlasting_.size() * at(rows_[outlasting_.front()] * w.layout().links));
     columns_.lay_out(w.partition);
     make_room();
@@ -125,9 +143,9 @@ void SegmentFields::load(std::size_t field, std::span<const double>& memory) {
     set(field, [&] { return static_cast<float>(*from++); });
 }
 
-KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges)
+KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges)
     : friction(model::make_friction(w.variator.chain(), w.parameters.detail.stick_slip)),
-      fields(w, friction, std::move(rows), std::move(outlasting), edges),
+      fields(w, friction, std::move(rows), std::move(outlasting), std::move(edges)),
       normal_loads_(at(w.layout().links)) {}
 
 void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment, model::TipSearch* search,

@@ -3,6 +3,7 @@
 /// recorded in the middle of the step; loads, velocities and coordinates are returned at its end. Columns of fields that outlast a step
 /// move with the borders of segments.
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -51,7 +52,10 @@ private:
 class SegmentEdges {
 public:
     SegmentEdges() = default;
+    /// All rows of fields with so many.
     explicit SegmentEdges(int rows);
+    /// Rows of velocities of links that the joints between two segments depend on.
+    explicit SegmentEdges(const model::ChainLayout& at);
 
     /// Makes room for `segments` segments. Allocates only if there were fewer before.
     void make_room(int segments);
@@ -66,7 +70,10 @@ private:
         return static_cast<std::size_t>((2 * segment + number) * stride_);
     }
 
-    int rows_ = 0, stride_ = 0;
+    explicit SegmentEdges(std::array<std::vector<int>, 2> rows);
+
+    std::array<std::vector<int>, 2> rows_;  ///< of the first column, and of the last one
+    int stride_ = 0;
     model::LineVector<float> packed_;  ///< [segments][2][stride]
 };
 
@@ -87,9 +94,9 @@ public:
     };
 
     /// @param rows of each further field   @param outlasting fields that outlast a step, with equally many rows
-    /// @param edges rows of what segments hand over
+    /// @param edges what segments hand over
     SegmentFields(const Workspace& workspace, const model::FrictionOperator& friction, std::vector<int> rows,
-                  std::vector<std::size_t> outlasting, const std::vector<int>& edges);
+                  std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges);
 
     /// Memory of segments, after every change of the partition.
     void repartition(const Partition& partition);
@@ -146,7 +153,7 @@ private:
 class KickSystem {
 public:
     /// Parameters as for SegmentFields.
-    KickSystem(const Workspace& workspace, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges);
+    KickSystem(const Workspace& workspace, std::vector<int> rows, std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges);
 
     /// Body of a task: contacts of a segment's links at the stage state of workspace.step.row, all other forces there as accelerations in
     /// the further field `frictionless`, and velocities at the step's start. No mean forces of tips so far.

@@ -44,7 +44,8 @@ constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 2.0, max_sweeps = 12
 [[nodiscard]] Fault close_step(Workspace& w) {
     close_tail(w);
     TipState& tips = w.tips;
-    tips.have_changed = std::ranges::any_of(w.segment_results, [](const SegmentResult& result) { return result.detected != 0; });
+    const bool changed = std::ranges::any_of(w.segment_results, [](const SegmentResult& result) { return result.detected != 0; });
+    if (tips.have_changed != changed) tips.have_changed = changed;  // all tasks read its cache line
     for (std::size_t tip = 0; tip < tips.phases.size() && tips.have_changed; ++tip) {
         if (tips.phases[tip] != tips.phases_before[tip]) tips.changed[tip] = w.step.time + w.step.h;
     }
@@ -75,9 +76,10 @@ std::vector<int> SweepSystem::rows_of_fields(const Workspace& w) {
 }
 
 SweepSystem::SweepSystem(const Workspace& w)
-    : kick_(w, rows_of_fields(w), {kept, kept + 1}, std::vector(3, w.layout().link_size())),
+    : kick_(w, rows_of_fields(w), {kept, kept + 1},
+            {SegmentEdges(w.layout()), SegmentEdges(w.layout()), SegmentEdges(w.layout().link_size())}),
       responses_(kick_.friction, 0.0, 0.0),
-      mean_edges_(w.layout().link_size()) {
+      mean_edges_(w.layout()) {
     powers_.resize(at(w.layout().links));
     make_room();
 }
@@ -317,7 +319,7 @@ void SweepLeapfrog::record(int segment) noexcept {
     model::Phase* before = w_.tips.phases_before.data() + model::tips_per_link * links.first;
     const std::size_t bytes = at(model::tips_per_link * links.size());
     static_assert(sizeof(model::Phase) == 1);  // the library copies and compares enumerations one by one
-    if (decides_phases()) std::memcpy(before, phases, bytes);
+    if (decides_phases() && std::memcmp(before, phases, bytes) != 0) std::memcpy(before, phases, bytes);
     system_.record(w_, frame_.drift(), segment, searches ? &search : nullptr);
     w_.segment_results[at(segment)].detected = decides_phases() && std::memcmp(before, phases, bytes) != 0 ? 1 : 0;
     w_.segment_results[at(segment)].pending = search.suspect;

@@ -81,17 +81,18 @@ private:
     void find_losses() const noexcept;
 
     KickSystem kick_;
-    std::size_t now_ = 0;  ///< number of the present step's kept field
     model::SweepResponses responses_;
     std::vector<GhostLink> ghosts_;  ///< [segments][2]
-    bool handed_over_ = false;       ///< the last step's velocities at the ends of segments are handed over
-    bool follows_ = false;           ///< the same when the present step began
-    double step_before_ = 0.0;       ///< length of the step before [s]
     // Computed on demand: for an observation, a checkpoint, or borders that move.
-    mutable Losses losses_ = Losses::none;
     mutable std::vector<model::FloatColumns> means_;  ///< [segment], or more: velocities of the step, when its losses are found
     mutable SegmentEdges mean_edges_;
     mutable std::vector<model::FrictionPowers> powers_;  ///< [links] of the last step
+    // Written in every step: on a line apart from what tasks read.
+    alignas(model::cache_line) std::size_t now_ = 0;  ///< number of the present step's kept field
+    double step_before_ = 0.0;                        ///< length of the step before [s]
+    bool handed_over_ = false;                        ///< the last step's velocities at the ends of segments are handed over
+    bool follows_ = false;                            ///< the same when the present step began
+    mutable Losses losses_ = Losses::none;
 };
 
 /// The method: a record in the middle of the step, passes of friction, the end (see above).
