@@ -26,7 +26,6 @@ struct NoContacts {
     static constexpr TipSearch* search() noexcept { return nullptr; }
     static constexpr const HeldInverse* held() noexcept { return nullptr; }
     [[nodiscard]] static int rows(int, int) noexcept { return 0; }
-    [[nodiscard]] static int joint_rows(int) noexcept { return 0; }
     static void frames(int, const auto& /*frame*/) noexcept {}
     static void link(int, int, const auto& /*columns*/) noexcept {}
     static void gap(int, AccountPart, const auto& /*rate*/) noexcept {}
@@ -71,7 +70,7 @@ private:
     static void store(const Lanes<W>& lanes, double* place) noexcept { lanes.copy_to(place); }
 };
 
-/// Groups of W links; `group` counts from the range's first, `count` of the lanes represent links. Lanes outside the range are left out.
+/// Groups of W links; `group` counts from the range's first, `count` of the lanes represent links. Further lanes are left out.
 template <int W>
 class ContactWriter : public NoContacts {
 public:
@@ -99,12 +98,9 @@ public:
     /// Rows of the field for the links group, …
     [[nodiscard]] Rows rows(int group, int count) const noexcept { return rows_of(field_.columns, group, count); }
 
-    /// Rows of the field for the joints behind the links group, …, that in front of the range's last link included.
-    [[nodiscard]] Rows joint_rows(int group) const noexcept { return rows_beyond(group, 0); }
-
     /// The links' frames, also of one link on each side of the range.
     void frames(int group, const LinkFrameOf<V>& frame) const noexcept {
-        const Rows to = rows_beyond(group, -1);
+        const Rows to = rows(group, range_.last - range_.first + 1 - group);
         to.put(ContactComponents::frame_x, frame.tx);
         to.put(ContactComponents::frame_y, frame.ty);
         to.put(ContactComponents::inverse_length, frame.inverse_length);
@@ -113,7 +109,7 @@ public:
     /// The links' velocities.
     void link(int group, int count, const LinkColumns<W>& columns) const noexcept { velocities(group, count, columns.v()); }
 
-    /// @param to joint_rows() of the links
+    /// @param to rows() of the links, and of the one behind the range
     void joint(const Rows& to, int point, const JointMotion<W>& m, const V& normal) const noexcept {
         const int row = field_.components.joint(point);
         to.put(row + Joint::normal_x, m.nx);
@@ -186,14 +182,7 @@ private:
 
     template <class Any>
     [[nodiscard]] GroupRows<W, Any> rows_of(ColumnsOf<Any>& columns, int group, int count) const noexcept {
-        return {columns.at(0, range_.first + group + range_.shift), columns.stride(), std::max(0, -group),
-                std::min({count, W, range_.last - range_.first - group})};
-    }
-
-    /// Rows of the field for links from `first`, counted from the range's first, to the one behind its last.
-    [[nodiscard]] Rows rows_beyond(int group, int first) const noexcept {
-        return {field_.columns.at(0, range_.first + group + range_.shift), field_.columns.stride(), std::max(0, first - group),
-                std::min(W, range_.last - range_.first + 1 - group)};
+        return {columns.at(0, range_.first + group + range_.shift), columns.stride(), std::max(0, -1 - group), std::min(count, W)};
     }
 
     /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.

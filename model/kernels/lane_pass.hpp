@@ -65,7 +65,7 @@ public:
     [[nodiscard]] Joints joints_between(const Columns& earlier, const Columns& here, int group = 0) const noexcept {
         const JointPlace pins(earlier, here);
         const auto& points = c_.joint_points;
-        const auto rows = contacts_.joint_rows(group);
+        const auto rows = contacts_.rows(group, links_ + 1 - group);
         contacts_.gap(rows, AccountPart::joint, pins.rate);
         PointTerms total;
         V worst(0.0);

@@ -27,7 +27,7 @@ inline constexpr int links_per_sum = 4;
 /// Reactions of a group of links on the sheaves of a shaft.
 struct SheaveSum {
     SheaveLoad load{};
-    int shaft = 0;      ///< that of the first link that touches
+    int shaft = 0;      ///< shaft of the first link that touches
     bool both = false;  ///< some links touch the other shaft: another sum has their reactions
 };
 

@@ -52,7 +52,7 @@ private:
 class SegmentEdges {
 public:
     SegmentEdges() = default;
-    /// All rows of fields with so many.
+    /// @param rows of fields: all of them
     explicit SegmentEdges(int rows);
     /// Rows of velocities of links that the joints between two segments depend on.
     explicit SegmentEdges(const model::ChainLayout& at);
@@ -72,7 +72,7 @@ private:
 
     explicit SegmentEdges(std::array<std::vector<int>, 2> rows);
 
-    std::array<std::vector<int>, 2> rows_;  ///< of the first column, and of the last one
+    std::array<std::vector<int>, 2> rows_;  ///< rows of the first column, and of the last one
     int stride_ = 0;
     model::LineVector<float> packed_;  ///< [segments][2][stride]
 };
