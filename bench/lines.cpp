@@ -2,14 +2,16 @@
 ///
 ///     bench_lines SCENE [SEGMENTS [STEPS]]      defaults: 2 segments, 24 steps
 ///
-/// Prints "marker", an address that is written before and after the steps, "ring", where the end of every task is stamped, and "ignore",
-/// memory that is not the step's: each with its bytes. After the steps one line per stamp: the task's name, or "controller".
+/// Prints "marker", an address that is written before and after the steps, "ring", where the end of every task is stamped, "ignore",
+/// memory that is not the step's, and names of arrays in it: each with its bytes. After the steps one line per stamp: the task's name, or
+/// "controller".
 
 #include <fmt/format.h>
 
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <span>
 
 #include "bench/study/profile/measure.hpp"
 #include "engine/executor/stamp_recorder.hpp"
@@ -32,6 +34,28 @@ public:
 
 void print_range(const char* name, std::uintptr_t begin, std::size_t bytes) { fmt::print("{} {:x} {}\n", name, begin, bytes); }
 
+/// Arrays of the workspace that lines are counted by.
+void print_arrays(const tasks::Workspace& w) {
+    const auto print = [](const char* name, const auto& array) {
+        print_range(name, address_of(std::data(array)), std::size(array) * sizeof *std::data(array));
+    };
+    const auto size = static_cast<std::size_t>(w.layout().size());
+    for (const auto* slots : {&w.states, &w.slopes}) {
+        print("slots", *slots);
+        for (const double* slot : *slots) print("states", std::span(slot, size));
+    }
+    for (const double* slot : {w.end_state, w.end_slope}) print("states", std::span(slot, size));
+    for (const auto& window : w.windows) print("windows", window);
+    print("loads", w.links.loads);
+    print("sums", w.links.sums);
+    print("phases", w.tips.phases);
+    print("phases", w.tips.phases_before);
+    print("results", w.segment_results);
+    print("step", std::span(&w.step, 1));
+    print("sheaves", w.pulleys.sheaves);
+    print("workspace", std::span(&w, 1));
+}
+
 volatile int marker = 0;
 
 }  // namespace
@@ -50,6 +74,7 @@ int main(int argc, char** argv) {
     print_range("ring", address_of(recorder.track().ring.data()), recorder.bytes());
     print_range("ignore", address_of(&recorder.track()), sizeof recorder.track());
     print_range("ignore", address_of(&on_stack) - below, below + above);
+    print_arrays(trial.simulation().workspace());
     std::fflush(stdout);
     const std::size_t first = recorder.track().count;
     marker = 1;

@@ -30,7 +30,6 @@ struct ChainRange {
     const SheaveMotion* sheaves;  ///< [4] number 2 shaft + side; unused if the scene has no pulleys
     const Phase* phases;          ///< [links * 4], of the whole chain
     int shift = 1;                ///< column of a link in fields of contacts: its number + shift
-    bool ghosts = true;           ///< the range fills ghost columns where it holds the link that they repeat, links + 1 and 0 for instance
 };
 
 /// Contact of one link's tips with its sheaves, for transitions and faults.

@@ -1,6 +1,7 @@
 #pragma once
 /// Every friction contact of the chain, for fixed coordinates and changing velocities, laid out component by component so that lanes can
-/// run over links: [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first. For pin halves only.
+/// run over links: [component][column], column = link + 1; column 0 repeats the last link's frame, column links + 1 the first link's, and
+/// its joint. For pin halves only.
 ///
 /// Velocities inside a step are floats. They count from those at which the contacts were recorded, so that small differences of large
 /// velocities are taken in double precision, once a step; a field also holds how contacts slide at those.
@@ -81,8 +82,8 @@ struct TipReactions {
 
 /// The step in whose middle a field is recorded.
 struct ContactDrift {
-    double step = 0.0;         ///< h [s]
-    SheaveMotion change[4]{};  ///< changes of the sheaves' velocities over the step
+    double step = 0.0;      ///< h [s]
+    double change[4][6]{};  ///< changes of the sheaves' velocities over the step: vx, vy, vz, spins
 };
 
 /// Search in a record for the tips that touch: those that penetrate, and those that touched and have not receded by more than `release`.

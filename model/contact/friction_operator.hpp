@@ -71,8 +71,7 @@ public:
 
     /// Records the contacts of a range of links, in one pass: the reactions on the sheaves become those of the normal forces alone. Writes
     /// the accelerations without friction, and the velocities at the step's beginning, to rows of the record's columns, column = link +
-    /// range.shift. Ghost columns are written with the links that they repeat, if the range requires
-    /// it.
+    /// range.shift. The frames of one link on each side of the range are recorded, too, and the joint of that behind it.
     /// @param loads of the range's first link on   @param search nullptr: tips touch as the range's phases state
     void record(const ChainRange& range, const ContactDrift& drift, const ContactRecord& to, LinkLoad* loads,
                 TipSearch* search = nullptr) const noexcept {

@@ -25,6 +25,10 @@ struct KeptForces {
         const V along = now[row], across = now[row + 1];
         return {friction_limit * (along * tx - across * ty), friction_limit * (along * ty + across * tx), friction_limit * now[row + 2]};
     }
+    /// Keeps the forces with which the next step begins, of rows [first, last). @param ahead FrictionSweep::ahead
+    void keep_opening(int first, int last, const LaneRows<W, const float>& before, float ahead) const noexcept {
+        for (int row = first; row < last; ++row) now.put(rows.opening(row), now[row] + ahead * (now[row] - before[row]));
+    }
 };
 
 /// Sliding of point g across the axis, at rates that other points have changed.
@@ -126,6 +130,7 @@ public:
             for (int k = 0; k < points; ++k)  // from both ends to the middle
                 solve_point(k % 2 == 0 ? k / 2 : points - 1 - k / 2, rates, force);
         }
+        if (sweep_.part == SweepPart::closing) friction_.keep_opening(0, friction_.rows.plates(), before_, sweep_.ahead);
         JointForces<W>(joints_.links.range).put(joints_.links.group, force);
     }
 
@@ -226,7 +231,7 @@ public:
         if (opening) open_link(touch, f, moment);
         links_.add_couple(moment, f);
         accelerate(f, closing ? links_.rows_of(*sweep_.result) : velocity_);
-        if (closing) return keep_opening();
+        if (closing) return friction_.keep_opening(rows_.plates(), rows_.forces(), before_, sweep_.ahead);
         solve_plates();
         if (touch) solve_tips();
     }
@@ -371,14 +376,6 @@ private:
     [[nodiscard]] V tip_speed(int corner, const V& sliding) const noexcept {
         if (!operator_.by_phase()) return larger<W>(sliding, V(numbers_.tip.saturation_speed));
         return tips_.within_branch(corner, sliding);
-    }
-
-    /// Keeps the forces with which the next step begins.
-    void keep_opening() const noexcept {
-        for (int row = 0; row < rows_.forces(); ++row) {
-            const V now = friction_.now[row];
-            friction_.now.put(rows_.opening(row), now + sweep_.ahead * (now - before_[row]));
-        }
     }
 
     const FrictionOperator& operator_;

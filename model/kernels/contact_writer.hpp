@@ -26,6 +26,7 @@ struct NoContacts {
     static constexpr TipSearch* search() noexcept { return nullptr; }
     static constexpr const HeldInverse* held() noexcept { return nullptr; }
     [[nodiscard]] static int rows(int, int) noexcept { return 0; }
+    static void frames(int, const auto& /*frame*/) noexcept {}
     static void link(int, int, const auto& /*columns*/) noexcept {}
     static void gap(int, AccountPart, const auto& /*rate*/) noexcept {}
     static void tip(const auto& /*links*/, int, const auto&...) noexcept {}
@@ -69,7 +70,7 @@ private:
     static void store(const Lanes<W>& lanes, double* place) noexcept { lanes.copy_to(place); }
 };
 
-/// Groups of W links; `group` counts from the range's first, `count` of the lanes represent links. Lanes outside the range are left out.
+/// Groups of W links; `group` counts from the range's first, `count` of the lanes represent links. Further lanes are left out.
 template <int W>
 class ContactWriter : public NoContacts {
 public:
@@ -97,16 +98,18 @@ public:
     /// Rows of the field for the links group, …
     [[nodiscard]] Rows rows(int group, int count) const noexcept { return rows_of(field_.columns, group, count); }
 
-    /// The links' frames and velocities.
-    void link(int group, int count, const LinkColumns<W>& columns) const noexcept {
-        const Rows to = rows(group, count);
-        to.put(ContactComponents::frame_x, columns.frame.tx);
-        to.put(ContactComponents::frame_y, columns.frame.ty);
-        to.put(ContactComponents::inverse_length, columns.frame.inverse_length);
-        velocities(group, count, columns.v());
+    /// The links' frames, also of one link on each side of the range.
+    void frames(int group, const LinkFrameOf<V>& frame) const noexcept {
+        const Rows to = rows(group, range_.last - range_.first + 1 - group);
+        to.put(ContactComponents::frame_x, frame.tx);
+        to.put(ContactComponents::frame_y, frame.ty);
+        to.put(ContactComponents::inverse_length, frame.inverse_length);
     }
 
-    /// @param to rows() of the links
+    /// The links' velocities.
+    void link(int group, int count, const LinkColumns<W>& columns) const noexcept { velocities(group, count, columns.v()); }
+
+    /// @param to rows() of the links, and of the one behind the range
     void joint(const Rows& to, int point, const JointMotion<W>& m, const V& normal) const noexcept {
         const int row = field_.components.joint(point);
         to.put(row + Joint::normal_x, m.nx);
@@ -163,16 +166,6 @@ public:
         for (int row = 0; row < link_layout.link_size(); ++row) to.put(row, rows[row]);
     }
 
-    /// Ghost columns, one on each side of the chain's, where the range holds the link that they repeat.
-    void repeat(int links) const noexcept {
-        if (!range_.ghosts) return;
-        const auto copy = [&](int from, int to) {
-            for (int row = 0; row < field_.components.count(); ++row) *field_.columns.at(row, to) = *field_.columns.at(row, from);
-        };
-        if (range_.first == 0) copy(1, 1 + links);
-        if (range_.last == links) copy(links, 0);
-    }
-
 private:
     /// Velocities at the step's beginning, counted from those passed over. @param v of these, rows of the coordinates
     void velocities(int group, int count, const V* v) const noexcept {
@@ -189,28 +182,25 @@ private:
 
     template <class Any>
     [[nodiscard]] GroupRows<W, Any> rows_of(ColumnsOf<Any>& columns, int group, int count) const noexcept {
-        return {columns.at(0, range_.first + group + range_.shift), columns.stride(), std::max(0, -group),
-                std::min({count, W, range_.last - range_.first - group})};
+        return {columns.at(0, range_.first + group + range_.shift), columns.stride(), std::max(0, -1 - group), std::min(count, W)};
     }
 
     /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.
     void surface(const Rows& to, int corner, const TipMotion<V>& m, const SheaveMotionLanes<W>& s, const V& shaft) const noexcept {
         const Vector3<V>& p = m.sheave_arm;
-        const SheaveMotion& first = drift_.change[corner % 2];
-        const SheaveMotion& second = drift_.change[2 + corner % 2];
-        const auto change = [&](double SheaveMotion::*number) {
-            return select_greater<W>(shaft, V(0.5), V(second.*number), V(first.*number));
+        const auto change = [&](int number) {
+            return select_greater<W>(shaft, V(0.5), V(drift_.change[2 + corner % 2][number]), V(drift_.change[corner % 2][number]));
         };
         const V x = s.spin_y * p.z - s.spin_z * p.y, y = s.spin_z * p.x - s.spin_x * p.z, z = s.spin_x * p.y - s.spin_y * p.x;
-        const V cx = change(&SheaveMotion::spin_x), cy = change(&SheaveMotion::spin_y), cz = change(&SheaveMotion::spin_z);
+        const V cx = change(3), cy = change(4), cz = change(5);
         const double h = drift_.step;
         const int row = field_.components.tip(corner);
         to.put(row + Tip::sheave, -m.material.x);
         to.put(row + Tip::sheave + 1, -m.material.y);
         to.put(row + Tip::sheave + 2, -m.material.z);
-        to.put(row + Tip::drift, change(&SheaveMotion::vx) + cy * p.z - cz * p.y + h * (s.spin_y * z - s.spin_z * y));
-        to.put(row + Tip::drift + 1, change(&SheaveMotion::vy) + cz * p.x - cx * p.z + h * (s.spin_z * x - s.spin_x * z));
-        to.put(row + Tip::drift + 2, change(&SheaveMotion::vz) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
+        to.put(row + Tip::drift, change(0) + cy * p.z - cz * p.y + h * (s.spin_y * z - s.spin_z * y));
+        to.put(row + Tip::drift + 1, change(1) + cz * p.x - cx * p.z + h * (s.spin_z * x - s.spin_x * z));
+        to.put(row + Tip::drift + 2, change(2) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
     }
 
     /// Speeds between which the branch of the law of a tip's phase has its kink.

@@ -13,9 +13,7 @@ void record(const FrictionOperator& friction, const ChainRange& range, const Con
             TipSearch* search) noexcept {
     const ChainModel& chain = friction.chain();
     using Contacts = ContactWriter<native_lanes>;
-    const Contacts contacts(friction, range, drift, to, search);
-    LanePass<native_lanes, Contacts>(chain, friction.frictionless(), range, nullptr, loads, contacts).run();
-    contacts.repeat(chain.layout().links);
+    LanePass<native_lanes, Contacts>(chain, friction.frictionless(), range, nullptr, loads, {friction, range, drift, to, search}).run();
 }
 
 }  // namespace

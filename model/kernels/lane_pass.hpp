@@ -58,13 +58,14 @@ public:
             from[static_cast<std::size_t>(lane)] = range_.window + std::clamp(group + lane + 1, 0, links_ + 1) * block;
         load_rows<W, block>(from, columns.state.data());
         columns.frame = link_frame(columns.q(), columns.v());
+        contacts_.frames(group, columns.frame);
     }
 
     /// Joints of the pins behind the links `here`, the first of which is `group`.
     [[nodiscard]] Joints joints_between(const Columns& earlier, const Columns& here, int group = 0) const noexcept {
         const JointPlace pins(earlier, here);
         const auto& points = c_.joint_points;
-        const auto rows = contacts_.rows(group, std::min(W, links_ - group));
+        const auto rows = contacts_.rows(group, links_ + 1 - group);
         contacts_.gap(rows, AccountPart::joint, pins.rate);
         PointTerms total;
         V worst(0.0);

@@ -149,10 +149,13 @@ private:
         return touching;
     }
 
+    /// Writes changes only: other processors may have the line.
     void keep_phases() const noexcept {
         Phase* to = contacts_.search()->phases + tips_per_link * (range_.first + group_);
-        for (int link = 0; link < count_; ++link)
-            std::memcpy(to + tips_per_link * link, &words_[static_cast<std::size_t>(link)], sizeof words_[0]);
+        for (int link = 0; link < count_; ++link, to += tips_per_link) {
+            const std::uint32_t word = words_[static_cast<std::size_t>(link)];
+            if (phase_word(to) != word) std::memcpy(to, &word, sizeof word);
+        }
     }
 
     void check_limits(const Columns& columns, const V& shaft) const noexcept {

@@ -2,6 +2,7 @@
 #include "model/variator/variator.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <memory>
 #include <tuple>
@@ -27,10 +28,18 @@ void add(const SheaveLoad& load, SheaveLoad& total) noexcept {
     }
 }
 
-[[nodiscard]] SheaveForces forces_of(const SheaveSum& sum) noexcept {
+using ShaftLoads = std::array<SheaveLoad, 2>;
+
+void add(const SheaveSum& sum, const SheaveSum& other, ShaftLoads& total) noexcept {
+    const auto shaft = static_cast<std::size_t>(sum.shaft);
+    add(sum.load, total[shaft]);
+    if (sum.both) add(other.load, total[1 - shaft]);
+}
+
+[[nodiscard]] SheaveForces forces_of(const ShaftLoads& loads) noexcept {
     SheaveForces forces;
     for (std::size_t sheave = 0; sheave < forces.size(); ++sheave) {
-        const SheaveLoad& load = sum.of_shaft[sheave / 2];
+        const SheaveLoad& load = loads[sheave / 2];
         const std::size_t side = sheave % 2;
         forces[sheave] = {load.fx[side], load.fy[side], load.mx[side], load.my[side], load.fz[side], load.mz[side]};
     }
@@ -54,31 +63,36 @@ void Variator::adopt(const Parameters& before, const Parameters& p) {
     pulleys_.adopt(p);
 }
 
-void Variator::add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum) const noexcept {
+void Variator::add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum, SheaveSum& other) const noexcept {
     sum = {};
+    bool any = false;
     const int last = std::min(layout().links, links_per_sum * (group + 1));
     for (int link = links_per_sum * group; link < last; ++link) {
-        if (layout().rigid || touches(phases, link)) add(loads[link].load, sum.of_shaft[loads[link].shaft]);
+        if (!layout().rigid && !touches(phases, link)) continue;
+        const int shaft = loads[link].shaft;
+        if (!std::exchange(any, true)) sum.shaft = shaft;
+        if (shaft != sum.shaft && !std::exchange(sum.both, true)) other = {};
+        add(loads[link].load, shaft == sum.shaft ? sum.load : other.load);
     }
 }
 
 SheaveForces Variator::sheave_forces(const Phase* phases, const SheaveSum* sums) const noexcept {
-    SheaveSum total;
+    ShaftLoads total{};
     for (int group = 0; group < this->sums(); ++group) {
         bool adds = layout().rigid;
         for (int link = links_per_sum * group; link < std::min(layout().links, links_per_sum * (group + 1)); ++link)
             adds |= touches(phases, link);
-        if (!adds) continue;
-        for (int shaft = 0; shaft < 2; ++shaft) add(sums[group].of_shaft[shaft], total.of_shaft[shaft]);
+        if (adds) add(sums[group], sums[this->sums() + group], total);
     }
     return forces_of(total);
 }
 
 SheaveForces Variator::sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept {
-    SheaveSum total, sum;
+    ShaftLoads total{};
+    SheaveSum sum, other;
     for (int group = 0; group < sums(); ++group) {
-        add_up(group, phases, loads, sum);
-        for (int shaft = 0; shaft < 2; ++shaft) add(sum.of_shaft[shaft], total.of_shaft[shaft]);
+        add_up(group, phases, loads, sum, other);
+        add(sum, other, total);
     }
     return forces_of(total);
 }

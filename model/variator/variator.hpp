@@ -24,9 +24,11 @@ class FrictionOperator;
 /// Links whose reactions are added up together.
 inline constexpr int links_per_sum = 4;
 
-/// Reactions of a group of links on the sheaves; shares no cache line.
-struct alignas(cache_line) SheaveSum {
-    SheaveLoad of_shaft[2]{};
+/// Reactions of a group of links on the sheaves of a shaft.
+struct SheaveSum {
+    SheaveLoad load{};
+    int shaft = 0;      ///< shaft of the first link that touches
+    bool both = false;  ///< some links touch the other shaft: another sum has their reactions
 };
 
 class Variator {
@@ -54,10 +56,11 @@ public:
 
     /// Groups of links whose reactions are summed first, so that sums do not depend on segments.
     [[nodiscard]] int sums() const noexcept { return (layout().links + links_per_sum - 1) / links_per_sum; }
-    /// Reactions of the links of one group, in the order of their numbers. phases, loads: of all links
-    void add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum) const noexcept;
+    /// Reactions of the links of one group, in the order of their numbers. phases, loads: of all links   @param other written for both
+    /// shafts
+    void add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum, SheaveSum& other) const noexcept;
     /// Forces of the chain on the sheaves from the sums of all groups, in their order. Sums of groups that touch nowhere are not read:
-    /// another processor may have written them. phases: of all links, as for add_up()
+    /// another processor may have written them. phases: of all links, as for add_up()   @param sums [2 sums()], of other shafts behind
     [[nodiscard]] SheaveForces sheave_forces(const Phase* phases, const SheaveSum* sums) const noexcept;
     /// Forces of the chain on the sheaves from the links' reactions.
     [[nodiscard]] SheaveForces sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept;

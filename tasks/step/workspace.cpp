@@ -22,6 +22,11 @@ model::PhaseRule rule_of(const model::Parameters& p) {
     return rule;
 }
 
+void add_up_group(Workspace& w, int group) noexcept {
+    w.variator.add_up(group, w.tips.phases.data(), w.links.loads.data(), w.links.sums[at(group)],
+                      w.links.sums[at(w.variator.sums() + group)]);
+}
+
 }  // namespace
 
 Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_plan, Partition parts)
@@ -40,8 +45,8 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
 
     const std::size_t count = static_cast<std::size_t>(layout().links);
     links.loads.resize(count);
-    links.sums.resize(static_cast<std::size_t>(variator.sums()));
-    links.split_sums.reserve(links.sums.size());
+    links.sums.resize(static_cast<std::size_t>(2 * variator.sums()));
+    links.split_sums.reserve(static_cast<std::size_t>(variator.sums()));
     links.errors.resize(count);
     step.error_scale.velocity = p.tip.friction.saturation_speed;
     links.accounts.resize(model::account_parts * count);
@@ -102,15 +107,13 @@ void Workspace::repartition(Partition parts) {
 void add_up(Workspace& w, const Segment& bounds) noexcept {
     constexpr int size = model::links_per_sum;
     const int last = bounds.last == w.layout().links ? w.variator.sums() : bounds.last / size;
-    for (int group = (bounds.first + size - 1) / size; group < last; ++group)
-        w.variator.add_up(group, w.tips.phases.data(), w.links.loads.data(), w.links.sums[at(group)]);
+    for (int group = (bounds.first + size - 1) / size; group < last; ++group) add_up_group(w, group);
 }
 
 model::SheaveForces sheave_forces(Workspace& w) noexcept {
     if (w.layout().pulley_size == 0) return {};
     if (w.sums_missing) return w.variator.sheave_forces(w.tips.phases.data(), w.links.loads.data());
-    for (const int group : w.links.split_sums)
-        w.variator.add_up(group, w.tips.phases.data(), w.links.loads.data(), w.links.sums[at(group)]);
+    for (const int group : w.links.split_sums) add_up_group(w, group);
     return w.variator.sheave_forces(w.tips.phases.data(), w.links.sums.data());
 }
 

@@ -62,11 +62,11 @@ struct Transition {
 
 /// Result of a segment in a detect, locate or truncate cycle.
 struct alignas(64) SegmentResult {
-    Fault fault;
     Transition first;      ///< earliest transition of the segment's tips
     long detected = 0;     ///< transitions found in this cycle
     long suppressed = 0;   ///< transitions put off because the tip has just changed
     bool pending = false;  ///< some tip has to be located; or, where the method finds transitions, the state to be checked
+    Fault fault;
 };
 
 /// Treatment of a step in which tips are due to change their phase.
@@ -77,12 +77,12 @@ enum class AtTransition {
 };
 
 /// The present step; written by the controller between cycles, read by every task.
-struct StepInput {
+struct alignas(model::cache_line) StepInput {
     double time = 0.0;             ///< t at the step's start [s]
     double h = 0.0;                ///< length of the step [s]
     double dwell = 0.0;            ///< minimum time between two phase changes of a tip [s]
     double search_until = 0.0;     ///< end of the proposed step; transitions are searched for up to here [s]
-    engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
+    engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines; its terms are in the line of the times
     double theta = 1.0;            ///< place at which a truncate cycle cuts, share of the step
     bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links
     engine::PlanStep error_row{};  ///< row that combines the error
@@ -100,10 +100,10 @@ struct StepInput {
 
 /// Results of each link: written by the link's segment (Field::load, account, link_error), summed by the controller in a fixed order.
 struct LinkFields {
-    std::vector<model::LinkLoad> loads;  ///< [links]
-    std::vector<model::SheaveSum>
-        sums;                     ///< [variator.sums()] of loads; by the segment that has all links of a sum, in a fused evaluate cycle
-    std::vector<int> split_sums;  ///< sums whose links several segments share
+    model::LineVector<model::LinkLoad> loads;  ///< [links]
+    /// [2 variator.sums()] of loads, of other shafts behind; by the segment that has all links of a sum, in a fused evaluate cycle
+    model::LineVector<model::SheaveSum> sums;
+    std::vector<int> split_sums;           ///< sums whose links several segments share
     std::vector<model::Account> accounts;  ///< [links * account_parts], by an observe cycle; with a ledger in the state by every evaluation
     std::vector<model::LinkContact> contacts;  ///< [links] by an observe cycle, where `observed` is set
     bool observed = false;                     ///< set before an observe cycle: what it leaves is for observers, too, until the next step
@@ -131,10 +131,10 @@ public:
 
 /// State behind the links: pulleys, control and ledger; written by the controller.
 struct PulleyFields {
-    std::vector<double> tail;                   ///< [tail_size()] stage state
-    model::SheaveMotion sheaves[4]{};           ///< sheaves at the stage
-    model::SheaveMotion end_sheaves[4]{};       ///< sheaves at the step's end
-    model::SheaveMotion observed_sheaves[4]{};  ///< sheaves at the step's start, for an observe cycle
+    std::vector<double> tail;                                     ///< [tail_size()] stage state
+    alignas(model::cache_line) model::SheaveMotion sheaves[4]{};  ///< sheaves at the stage
+    model::SheaveMotion end_sheaves[4]{};                         ///< sheaves at the step's end
+    model::SheaveMotion observed_sheaves[4]{};                    ///< sheaves at the step's start, for an observe cycle
 };
 
 class Workspace {

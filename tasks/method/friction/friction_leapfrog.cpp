@@ -59,7 +59,6 @@ double FrictionSpectrum::radius(const Workspace& w, int iterations) noexcept {
     const int rows = w.layout().link_size(), segments = kick_.fields.columns().segments();
     SegmentFields& fields = kick_.fields;
     for (int s = 0; s < segments; ++s) {
-        fields.take(SegmentFields::contact_edges, fields[s].contacts.columns, s);
         resting_[at(s)] = fields[s].contacts;
         resting_[at(s)].stop();
     }
@@ -94,7 +93,7 @@ FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, const Kick& kick)
     : w_(workspace),
       frame_(workspace),
       kick_(workspace, std::vector(count, workspace.layout().link_size()), {base, mode, base + 1},
-            std::vector(kick_state_slots + 1, workspace.layout().link_size())),
+            std::vector(kick_state_slots + 1, SegmentEdges(workspace.layout()))),
       spectrum_(kick_, mode, mode_edges),
       tables_(kick) {
     FrictionLeapfrog::restart();
@@ -208,7 +207,6 @@ void FrictionLeapfrog::stage(int item) noexcept {
     const bool first = row.here.keep < 0;
     const int here = first ? 0 : row.here.keep;
     fields.take(state_edges + at(here), slot(f, here), segment);
-    if (first) fields.take(SegmentFields::contact_edges, f.contacts.columns, segment);
     kick_.friction.slopes(f.contacts, kick_.range_of(w_, row.here.time - 0.5, slot(f, here), segment),
                           {&accelerations, row.keeps_slope ? &f.of[first_slope] : nullptr, &next, row.weight,
                            row.weight != 0.0 ? &f.mean_tip_forces : nullptr});

@@ -80,7 +80,7 @@ private:
     /// Fields: velocities by slot from slot 1 on (slot 0: those at the start); accelerations by everything but friction, of this step and
     /// of the one before (see now_); ….
     enum Further : std::size_t { state, base = state + kick_state_slots - 1, first_slope = base + 2, mode, image, count };
-    enum Edges : std::size_t { state_edges = SegmentFields::further_edges, mode_edges = state_edges + kick_state_slots };
+    enum Edges : std::size_t { state_edges, mode_edges = state_edges + kick_state_slots };
     [[nodiscard]] static model::FloatColumns& slot(SegmentFields::Fields& fields, int number) noexcept {
         return number == 0 ? fields.start : fields.of[state + at(number) - 1];
     }

@@ -1,12 +1,24 @@
 #include "tasks/method/friction/kick_system.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
-#include "tasks/step/assembly/segment_tasks.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
+
+namespace {
+
+/// Rows of velocities of a link that move the joint at one of its ends.
+[[nodiscard]] std::vector<int> near_joint(const model::ChainLayout& at, model::End end) {
+    const model::End other = end == model::End::rear ? model::End::front : model::End::rear;
+    std::vector<int> rows{at.z(end), at.e(end), at.x(other, 0), at.y(other, 0)};
+    for (int m = 0; m < at.lateral(); ++m) rows.insert(rows.end(), {at.x(end, m), at.y(end, m)});
+    return rows;
+}
+
+}  // namespace
 
 void SegmentColumns::lay_out(const Partition& partition) {
     segments_.assign(partition.segments().begin(), partition.segments().end());
@@ -22,9 +34,16 @@ void SegmentColumns::lay_out(const Partition& partition) {
     }
 }
 
-SegmentEdges::SegmentEdges(int rows) : rows_(rows) {
+SegmentEdges::SegmentEdges(int rows) : SegmentEdges({std::vector<int>(at(rows)), std::vector<int>(at(rows))}) {
+    for (std::vector<int>& each : rows_) std::iota(each.begin(), each.end(), 0);
+}
+
+SegmentEdges::SegmentEdges(const model::ChainLayout& at)
+    : SegmentEdges({near_joint(at, model::End::rear), near_joint(at, model::End::front)}) {}
+
+SegmentEdges::SegmentEdges(std::array<std::vector<int>, 2> rows) : rows_(std::move(rows)) {
     constexpr int line = model::FloatColumns::line;
-    stride_ = (rows + line - 1) / line * line;
+    stride_ = (static_cast<int>(rows_[0].size()) + line - 1) / line * line;
 }
 
 void SegmentEdges::make_room(int segments) {
@@ -35,26 +54,20 @@ void SegmentEdges::give(const SegmentColumns& columns, const model::FloatColumns
     constexpr int first = SegmentColumns::first;
     float* front = packed_.data() + place(segment, 0);
     float* back = packed_.data() + place(segment, 1);
-    for (int row = 0; row < rows_; ++row) {
-        front[row] = *field.at(row, first);
-        back[row] = *field.at(row, first + columns.segment(segment).size() - 1);
-    }
+    for (const int row : rows_[0]) *front++ = *field.at(row, first);
+    for (const int row : rows_[1]) *back++ = *field.at(row, first + columns.segment(segment).size() - 1);
 }
 
 void SegmentEdges::take(const SegmentColumns& columns, model::FloatColumns& field, int segment) const noexcept {
     for (const GhostColumn& ghost : columns.ghosts(segment)) {
         const float* from = packed_.data() + place(ghost.owner, ghost.place);
-        for (int row = 0; row < rows_; ++row) *field.at(row, ghost.column) = from[row];
+        for (const int row : rows_[at(ghost.place)]) *field.at(row, ghost.column) = *from++;
     }
 }
 
 SegmentFields::SegmentFields(const Workspace& w, const model::FrictionOperator& friction, std::vector<int> rows,
-                             std::vector<std::size_t> outlasting, const std::vector<int>& edges)
-    : friction_(friction),
-      rows_(std::move(rows)),
-      outlasting_(std::move(outlasting)),
-      edges_{SegmentEdges(model::ContactField(w.variator.chain()).components.count())} {
-    for (const int each : edges) edges_.emplace_back(each);
+                             std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges)
+    : friction_(friction), rows_(std::move(rows)), outlasting_(std::move(outlasting)), edges_(std::move(edges)) {
     moving_.resize(outlasting_.size() * at(rows_[outlasting_.front()] * w.layout().links));
     columns_.lay_out(w.partition);
     make_room();
@@ -91,7 +104,20 @@ void SegmentFields::repartition(const Partition& partition) {
     columns_.lay_out(partition);
     make_room();
     room = moving_.data();
-    for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](float& number) { number = *room++; });
+    for (const std::size_t field : outlasting_) set(field, [&] { return *room++; });
+}
+
+/// Ghost columns too: what their owners have.
+template <class Next>
+void SegmentFields::set(std::size_t field, const Next& next) {
+    for_numbers(*this, field, [&](float& number) { number = next(); });
+    for (int s = 0; s < columns_.segments(); ++s) {
+        for (const GhostColumn& ghost : columns_.ghosts(s)) {
+            const int from = ghost.place == 0 ? SegmentColumns::first : columns_.segment(ghost.owner).size();
+            for (int row = 0; row < rows_[field]; ++row)
+                *(*this)[s].of[field].at(row, ghost.column) = *(*this)[ghost.owner].of[field].at(row, from);
+        }
+    }
 }
 
 std::size_t SegmentFields::bytes() const noexcept {
@@ -105,7 +131,7 @@ std::size_t SegmentFields::bytes() const noexcept {
 }
 
 void SegmentFields::clear(std::size_t field) noexcept {
-    for_numbers(*this, field, [](float& number) { number = 0.0F; });
+    set(field, [] { return 0.0F; });
 }
 
 void SegmentFields::save(std::size_t field, std::vector<double>& memory) const {
@@ -114,26 +140,25 @@ void SegmentFields::save(std::size_t field, std::vector<double>& memory) const {
 
 void SegmentFields::load(std::size_t field, std::span<const double>& memory) {
     const double* from = pop_front(memory, at(rows_[field] * friction_.chain().layout().links)).data();
-    for_numbers(*this, field, [&](float& number) { number = static_cast<float>(*from++); });
+    set(field, [&] { return static_cast<float>(*from++); });
 }
 
-KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges)
+KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges)
     : friction(model::make_friction(w.variator.chain(), w.parameters.detail.stick_slip)),
-      fields(w, friction, std::move(rows), std::move(outlasting), edges),
+      fields(w, friction, std::move(rows), std::move(outlasting), std::move(edges)),
       normal_loads_(at(w.layout().links)) {}
 
-void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment,
-                        model::TipSearch* search) noexcept {
+void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment, model::TipSearch* search,
+                        GhostLink* ghosts) noexcept {
     SegmentFields::Fields& f = fields[segment];
     const Segment& bounds = w.partition[segment];
-    const double* window = advance_window(w, segment, friction.kernels().advance);
+    const double* window = advance_window(w, segment, friction.kernels().advance, ghosts);
     const int shift = fields.columns().shift(segment), begin = w.layout().link_begin(bounds.first);
-    const model::ChainRange range{bounds.first, bounds.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, false};
+    const model::ChainRange range{bounds.first, bounds.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift};
     model::LinkLoad* loads = normal_loads_.data() + bounds.first;
     friction.record(range, drift, {w.states[0] + begin, f.contacts, f.of[frictionless], f.start}, loads, search);
     for (int row = 0; row < 3 * model::tips_per_link; ++row)
         std::fill_n(f.mean_tip_forces.at(row, SegmentColumns::first), bounds.size(), 0.0F);
-    fields.give(SegmentFields::contact_edges, f.contacts.columns, segment);
 }
 
 model::FrictionRange KickSystem::range_of(const Workspace& w, double time, const model::FloatColumns& velocity, int segment) noexcept {

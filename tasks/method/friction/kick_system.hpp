@@ -3,12 +3,13 @@
 /// recorded in the middle of the step; loads, velocities and coordinates are returned at its end. Columns of fields that outlast a step
 /// move with the borders of segments.
 
+#include <array>
 #include <span>
 #include <vector>
 
 #include "model/contact/contact_field.hpp"
 #include "model/contact/friction_operator.hpp"
-#include "tasks/step/workspace.hpp"
+#include "tasks/step/assembly/segment_tasks.hpp"
 
 namespace cvtflow::tasks {
 
@@ -51,7 +52,10 @@ private:
 class SegmentEdges {
 public:
     SegmentEdges() = default;
+    /// @param rows of fields: all of them
     explicit SegmentEdges(int rows);
+    /// Rows of velocities of links that the joints between two segments depend on.
+    explicit SegmentEdges(const model::ChainLayout& at);
 
     /// Makes room for `segments` segments. Allocates only if there were fewer before.
     void make_room(int segments);
@@ -66,7 +70,10 @@ private:
         return static_cast<std::size_t>((2 * segment + number) * stride_);
     }
 
-    int rows_ = 0, stride_ = 0;
+    explicit SegmentEdges(std::array<std::vector<int>, 2> rows);
+
+    std::array<std::vector<int>, 2> rows_;  ///< rows of the first column, and of the last one
+    int stride_ = 0;
     model::LineVector<float> packed_;  ///< [segments][2][stride]
 };
 
@@ -75,8 +82,6 @@ private:
 class SegmentFields {
 public:
     using Columns = model::FloatColumns;
-    /// Numbers of edges: those of the contacts, the first of the method's.
-    enum Edges : std::size_t { contact_edges, further_edges };
 
     /// Data of one segment. Column = link + shift of the segment.
     struct Fields {
@@ -89,9 +94,9 @@ public:
     };
 
     /// @param rows of each further field   @param outlasting fields that outlast a step, with equally many rows
-    /// @param edges rows of what segments hand over beside contacts
+    /// @param edges what segments hand over
     SegmentFields(const Workspace& workspace, const model::FrictionOperator& friction, std::vector<int> rows,
-                  std::vector<std::size_t> outlasting, const std::vector<int>& edges);
+                  std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges);
 
     /// Memory of segments, after every change of the partition.
     void repartition(const Partition& partition);
@@ -101,7 +106,7 @@ public:
     /// Memory that a step touches [B]: no room for what borders move through, nothing that is computed on demand.
     [[nodiscard]] std::size_t bytes() const noexcept;
 
-    /// Hands over a segment's part of a field (or of its contacts) to its neighbours.
+    /// Hands over a segment's part of a field to its neighbours.
     void give(std::size_t edge, const Columns& field, int segment) noexcept { edges_[edge].give(columns_, field, segment); }
     /// Takes over what its neighbours have given.
     void take(std::size_t edge, Columns& field, int segment) const noexcept { edges_[edge].take(columns_, field, segment); }
@@ -125,6 +130,9 @@ public:
 private:
     [[nodiscard]] Fields make_fields(int width) const;
     void make_room();
+    /// Sets the numbers of a field to what next() returns, rows of all links one after the other.
+    template <class Next>
+    void set(std::size_t field, const Next& next);
     /// Calls visit(number) for all numbers of a field, rows of all links one after the other.
     template <class Self, class Visit>
     static void for_numbers(Self& self, std::size_t field, const Visit& visit) {
@@ -136,22 +144,22 @@ private:
     std::vector<int> rows_;                ///< [field] of further fields
     std::vector<std::size_t> outlasting_;  ///< fields
     SegmentColumns columns_;
-    std::vector<Fields> fields_;  ///< [segment], or more
-    std::vector<SegmentEdges> edges_;
-    std::vector<float> moving_;  ///< [outlasting][rows][links] room for what borders move through
+    std::vector<Fields> fields_;       ///< [segment], or more
+    std::vector<SegmentEdges> edges_;  ///< [edge]
+    std::vector<float> moving_;        ///< [outlasting][rows][links] room for what borders move through
 };
 
 /// Contacts and forces of a leapfrog's step by segments. Velocities inside a step are floats, which count from those of the record.
 class KickSystem {
 public:
     /// Parameters as for SegmentFields.
-    KickSystem(const Workspace& workspace, std::vector<int> rows, std::vector<std::size_t> outlasting, const std::vector<int>& edges);
+    KickSystem(const Workspace& workspace, std::vector<int> rows, std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges);
 
     /// Body of a task: contacts of a segment's links at the stage state of workspace.step.row, all other forces there as accelerations in
-    /// the further field `frictionless`, and velocities at the step's start; hands over the contacts. No mean forces of tips so far.
-    /// @param search decides which tips touch; nullptr: they do as they did
+    /// the further field `frictionless`, and velocities at the step's start. No mean forces of tips so far.
+    /// @param search decides which tips touch; nullptr: they do as they did   @param ghosts as for advance_window
     void record(Workspace& workspace, const model::ContactDrift& drift, std::size_t frictionless, int segment,
-                model::TipSearch* search = nullptr) noexcept;
+                model::TipSearch* search = nullptr, GhostLink* ghosts = nullptr) noexcept;
     /// A segment's links with velocities of columns like its fields'. time [s]
     [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const model::FloatColumns& velocity,
                                                 int segment) noexcept;
@@ -168,7 +176,7 @@ public:
 private:
     void add_loads(Workspace& workspace, int segment) const noexcept;
 
-    std::vector<model::LinkLoad> normal_loads_;  ///< [links]
+    model::LineVector<model::LinkLoad> normal_loads_;  ///< [links]
 };
 
 }  // namespace cvtflow::tasks

@@ -16,12 +16,6 @@ template <class Motion>
     return std::array{&s.vx, &s.vy, &s.vz, &s.spin_x, &s.spin_y, &s.spin_z};
 }
 
-[[nodiscard]] model::SheaveMotion change_of(const model::SheaveMotion& now, const model::SheaveMotion& before, double factor) noexcept {
-    model::SheaveMotion change{};
-    for (std::size_t k = 0; k < 6; ++k) *velocities_of(change)[k] = factor * (*velocities_of(now)[k] - *velocities_of(before)[k]);
-    return change;
-}
-
 /// A segment and those that hold the links beside it.
 [[nodiscard]] std::vector<int> near_segments(const Workspace& w, int segment) {
     const model::ChainLayout& layout = w.layout();
@@ -77,7 +71,10 @@ void LeapfrogFrame::begin() {
     engine::combine(w_.step.row, w_.step.h, w_.slots(), at.pulley_begin(), at.size(), w_.pulleys.tail.data());
     if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.pulleys.tail.data(), w_.pulleys.sheaves);
     drift_.step = w_.step.h;
-    for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.pulleys.sheaves[k], sheaves_before_[k], force_change_ratio_);
+    for (std::size_t sheave = 0; sheave < 4; ++sheave) {
+        const auto now = velocities_of(w_.pulleys.sheaves[sheave]), before = velocities_of(sheaves_before_[sheave]);
+        for (std::size_t k = 0; k < 6; ++k) drift_.change[sheave][k] = force_change_ratio_ * (*now[k] - *before[k]);
+    }
 }
 
 void LeapfrogFrame::end(const model::SheaveForces& chain) {
@@ -125,7 +122,7 @@ void PassCycles::add_tasks(engine::TaskGraph& graph, const Workspace& w, const c
             const int round = item / segments, s = item % segments;
             const bool even = round % 2 == 0;
             LinkAccesses accesses(w, s);
-            accesses.with_halo(Field::contact)
+            accesses.inside(Field::contact, false)
                 .with_halo(even ? Field::velocity_read : Field::velocity_kept)
                 .inside(Field::phase, false)
                 .inside(even ? Field::velocity_kept : Field::velocity_read, true);

@@ -54,7 +54,7 @@ private:
     double length_ = 0.0;              ///< length of the present step [s]
     double length_before_ = 0.0;       ///< length of the previous step; 0: none [s]
     double force_change_ratio_ = 0.0;  ///< [1]
-    model::ContactDrift drift_;
+    alignas(model::cache_line) model::ContactDrift drift_;
     model::SheaveMotion sheaves_before_[4]{};
 };
 

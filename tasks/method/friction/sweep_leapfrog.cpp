@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "tasks/step/assembly/segment_tasks.hpp"
 #include "tasks/step/step_graph.hpp"
@@ -43,8 +44,8 @@ constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 2.0, max_sweeps = 12
 [[nodiscard]] Fault close_step(Workspace& w) {
     close_tail(w);
     TipState& tips = w.tips;
-    static_assert(sizeof(model::Phase) == 1);  // memcmp: the library compares enumerations one by one
-    tips.have_changed = std::memcmp(tips.phases.data(), tips.phases_before.data(), tips.phases.size()) != 0;
+    const bool changed = std::ranges::any_of(w.segment_results, [](const SegmentResult& result) { return result.detected != 0; });
+    if (tips.have_changed != changed) tips.have_changed = changed;  // all tasks read its cache line
     for (std::size_t tip = 0; tip < tips.phases.size() && tips.have_changed; ++tip) {
         if (tips.phases[tip] != tips.phases_before[tip]) tips.changed[tip] = w.step.time + w.step.h;
     }
@@ -75,54 +76,86 @@ std::vector<int> SweepSystem::rows_of_fields(const Workspace& w) {
 }
 
 SweepSystem::SweepSystem(const Workspace& w)
-    : kick_(w, rows_of_fields(w), {kept, kept + 1}, {rows_of_fields(w)[kept], w.layout().link_size(), w.layout().link_size()}),
+    : kick_(w, rows_of_fields(w), {kept, kept + 1},
+            {SegmentEdges(w.layout()), SegmentEdges(w.layout()), SegmentEdges(w.layout().link_size())}),
       responses_(kick_.friction, 0.0, 0.0),
-      mean_edges_(w.layout().link_size()) {
+      mean_edges_(w.layout()) {
     powers_.resize(at(w.layout().links));
-    make_means();
+    make_room();
 }
 
-void SweepSystem::make_means() {
+void SweepSystem::make_room() {
     const int segments = kick_.fields.columns().segments();
     for (int s = 0; s < segments; ++s) {
         if (at(s) == means_.size()) means_.emplace_back();
         if (means_[at(s)].bytes() < kick_.fields[s].of[velocity].bytes()) means_[at(s)] = kick_.fields[s].of[velocity];
     }
     mean_edges_.make_room(segments);
+    ghosts_.resize(at(2 * segments));
+    handed_over_ = false;
 }
 
 void SweepSystem::repartition(const Partition& partition) {
     find_losses();
     kick_.fields.repartition(partition);
-    make_means();
+    make_room();
 }
 
 void SweepSystem::restart() noexcept {
     kick_.fields.clear(kept_now());
     losses_ = Losses::none;
+    handed_over_ = false;
 }
 
 void SweepSystem::begin(double step, double nominal) noexcept {
     kick_.friction.hold(static_cast<float>(nominal));
+    follows_ = std::exchange(handed_over_, false);
+    step_before_ = responses_.of_step;
     if (step != responses_.of_step || nominal != responses_.of_nominal) responses_ = {kick_.friction, step, nominal};
     losses_ = Losses::none;
 }
 
 void SweepSystem::record(Workspace& w, const model::ContactDrift& drift, int segment, model::TipSearch* search) noexcept {
-    kick_.record(w, drift, base, segment, search);
-    kick_.fields.give(kept_edges, kick_.fields[segment].of[kept_before()], segment);
+    kick_.record(w, drift, base, segment, search, find_ghosts(w, segment));
+}
+
+/// The links beside a segment at the step's start: they advance as in their segments, by the velocities handed over. @return nullptr: they
+/// are in the segment
+GhostLink* SweepSystem::find_ghosts(const Workspace& w, int segment) noexcept {
+    const SegmentColumns& columns = kick_.fields.columns();
+    if (columns.segments() == 1) return nullptr;
+    GhostLink* const ghosts = ghosts_.data() + 2 * segment;
+    model::FloatColumns& velocity = kick_.fields[segment].result;
+    if (follows_) kick_.fields.take(result_edges, velocity, segment);
+    for (int side = 0; side < 2; ++side) {
+        GhostLink& ghost = ghosts[side];
+        if (follows_) {
+            ghost.before = ghost.start;
+            const float* of_ghost = velocity.at(0, columns.ghosts(segment)[at(side)].column);
+            kick_.friction.kernels().end({.velocity = of_ghost,
+                                          .stride = velocity.stride(),
+                                          .counted_from = ghost.middle.data(),
+                                          .start = ghost.before.data(),
+                                          .end = ghost.start.data(),
+                                          .secants = ghost.slope.data(),
+                                          .step = step_before_,
+                                          .limit = 0.0},
+                                         1);
+        } else {
+            const Segment& links = columns.segment(segment);
+            const int begin = w.layout().link_begin(w.layout().wrapped(side == 0 ? links.first - 1 : links.last));
+            std::copy_n(w.states[0] + begin, ghost.start.size(), ghost.start.data());
+            std::copy_n(w.slopes[1] + begin, ghost.slope.size(), ghost.slope.data());
+        }
+    }
+    return ghosts;
 }
 
 void SweepSystem::sweep(const Workspace& w, model::SweepPart part, double opening, int number, int segment) noexcept {
     SegmentFields& fields = kick_.fields;
     SegmentFields::Fields& f = fields[segment];
     const auto edge = [](int pass) { return velocity_edges + at(pass % 2); };
-    if (part == model::SweepPart::opening) {
-        fields.take(SegmentFields::contact_edges, f.contacts.columns, segment);
-        fields.take(kept_edges, f.of[kept_before()], segment);
-    } else {
-        fields.take(edge(number - 1), f.of[velocity], segment);
-    }
+    if (part != model::SweepPart::opening) fields.take(edge(number - 1), f.of[velocity], segment);
     const model::FrictionSweep sweep{.part = part,
                                      .ahead = static_cast<float>(opening),
                                      .responses = &responses_,
@@ -135,7 +168,10 @@ void SweepSystem::sweep(const Workspace& w, model::SweepPart part, double openin
                                      .mean_tip_forces = &f.mean_tip_forces};
     constexpr double end = 0.5;  // of the step, from its middle
     kick_.friction.kernels().sweep(kick_.friction, f.contacts, kick_.range_of(w, end, f.of[velocity], segment), sweep);
-    if (part != model::SweepPart::closing) fields.give(edge(number), f.of[velocity], segment);
+    if (part != model::SweepPart::closing)
+        fields.give(edge(number), f.of[velocity], segment);
+    else if (fields.columns().segments() > 1)
+        fields.give(result_edges, f.result, segment);
 }
 
 /// Finds the exact power that friction takes from the kinetic energy, by the mean velocities of the step.
@@ -251,13 +287,12 @@ void SweepLeapfrog::begin() {
     frame_.begin();
     system_.begin(w_.step.h, nominal_);
     w_.step.end_state_ready = true;
-    if (decides_phases()) w_.tips.phases_before = w_.tips.phases;
     passes_ = Rounds(sweep_cycles, 1 + (cold_ ? first_sweeps : sweeps_));
 }
 
 Fault SweepLeapfrog::finish() {
     frame_.end(sheave_forces(w_));
-    system_.end();
+    system_.end(decides_phases());
     return decides_phases() ? close_step(w_) : Fault{};
 }
 
@@ -279,7 +314,14 @@ void SweepLeapfrog::record(int segment) noexcept {
     const model::Pulley& pulley = w_.parameters.pulley;
     model::TipSearch search{w_.tips.phases.data(), w_.rule.release, w_.parameters.tip.deepest, pulley.innermost, pulley.outermost};
     const bool searches = decides_phases() && w_.layout().pulley_size != 0;
+    const Segment& links = w_.partition[segment];
+    const model::Phase* phases = w_.tips.phases.data() + model::tips_per_link * links.first;
+    model::Phase* before = w_.tips.phases_before.data() + model::tips_per_link * links.first;
+    const std::size_t bytes = at(model::tips_per_link * links.size());
+    static_assert(sizeof(model::Phase) == 1);  // the library copies and compares enumerations one by one
+    if (decides_phases() && std::memcmp(before, phases, bytes) != 0) std::memcpy(before, phases, bytes);
     system_.record(w_, frame_.drift(), segment, searches ? &search : nullptr);
+    w_.segment_results[at(segment)].detected = decides_phases() && std::memcmp(before, phases, bytes) != 0 ? 1 : 0;
     w_.segment_results[at(segment)].pending = search.suspect;
 }
 

@@ -45,8 +45,11 @@ public:
     void begin_new_step() noexcept { now_ = 1 - now_; }
     /// Begins a step. @param nominal its length if nothing had cut it short [s]
     void begin(double step, double nominal) noexcept;
-    /// Ends the step.
-    void end() noexcept { losses_ = Losses::to_be_found; }
+    /// Ends the step. @param with_secants whether tasks have made its slopes
+    void end(bool with_secants) noexcept {
+        losses_ = Losses::to_be_found;
+        handed_over_ = with_secants;
+    }
 
     // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
 
@@ -69,21 +72,27 @@ private:
     enum Further : std::size_t { base, velocity, kept };
     [[nodiscard]] std::size_t kept_now() const noexcept { return kept + now_; }
     [[nodiscard]] std::size_t kept_before() const noexcept { return kept + 1 - now_; }
-    /// Edges of forces, and of velocities after passes of even and of odd number.
-    enum Edges : std::size_t { kept_edges = SegmentFields::further_edges, velocity_edges };
+    /// Edges of velocities after passes of even and of odd number, and at the end.
+    enum Edges : std::size_t { velocity_edges, result_edges = velocity_edges + 2 };
 
     [[nodiscard]] static std::vector<int> rows_of_fields(const Workspace& workspace);
-    void make_means();
+    void make_room();
+    [[nodiscard]] GhostLink* find_ghosts(const Workspace& workspace, int segment) noexcept;
     void find_losses() const noexcept;
 
     KickSystem kick_;
-    std::size_t now_ = 0;  ///< number of the present step's kept field
     model::SweepResponses responses_;
+    std::vector<GhostLink> ghosts_;  ///< [segments][2]
     // Computed on demand: for an observation, a checkpoint, or borders that move.
-    mutable Losses losses_ = Losses::none;
     mutable std::vector<model::FloatColumns> means_;  ///< [segment], or more: velocities of the step, when its losses are found
     mutable SegmentEdges mean_edges_;
     mutable std::vector<model::FrictionPowers> powers_;  ///< [links] of the last step
+    // Written in every step: on a line apart from what tasks read.
+    alignas(model::cache_line) std::size_t now_ = 0;  ///< number of the present step's kept field
+    double step_before_ = 0.0;                        ///< length of the step before [s]
+    bool handed_over_ = false;                        ///< the last step's velocities at the ends of segments are handed over
+    bool follows_ = false;                            ///< the same when the present step began
+    mutable Losses losses_ = Losses::none;
 };
 
 /// The method: a record in the middle of the step, passes of friction, the end (see above).

@@ -165,7 +165,7 @@ void truncate_segment(void* workspace, int segment) noexcept {
     }
 }
 
-const double* advance_window(Workspace& w, int segment, model::LinkAdvance* kernel) noexcept {
+const double* advance_window(Workspace& w, int segment, model::LinkAdvance* kernel, GhostLink* ghosts) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();
     const engine::Term& slope = w.step.row.slopes.front();
@@ -174,7 +174,11 @@ const double* advance_window(Workspace& w, int segment, model::LinkAdvance* kern
     double* window = w.windows[at(segment)].data();
     for_each_run(layout, w.partition[segment], layout.halo(), [&](int link, int links, int place) {
         const int begin = layout.link_begin(link);
-        kernel(from + begin, along + begin, by, window + place * block, links);
+        double* const to = window + place * block;
+        if (ghosts == nullptr || place == layout.halo()) return kernel(from + begin, along + begin, by, to, links);
+        GhostLink& ghost = ghosts[place == 0 ? 0 : 1];
+        kernel(ghost.start.data(), ghost.slope.data(), by, ghost.middle.data(), 1);
+        std::ranges::copy(ghost.middle, to);
     });
     return window;
 }

@@ -2,6 +2,8 @@
 /// Work of a segment in each cycle: bodies of tasks (context is the workspace, item the segment), and the data of links, their neighbours
 /// and their tips that they read.
 
+#include <array>
+
 #include "model/contact/friction_operator.hpp"
 #include "tasks/step/workspace.hpp"
 
@@ -11,8 +13,17 @@ namespace cvtflow::tasks {
 /// returned.
 const double* fill_window(Workspace& workspace, int segment, int halo) noexcept;
 
+/// A link of pin halves beside a segment, which follows it by itself.
+struct alignas(model::cache_line) GhostLink {
+    using Block = std::array<double, model::max_link_block>;
+    Block start, slope;  ///< state and slope of which workspace.step.row is made
+    Block middle;        ///< result of the last row
+    Block before;        ///< state at the start of the step before
+};
+
 /// fill_window() with the halo of the layout, by a kernel, where workspace.step.row is a state plus a multiple of a slope.
-const double* advance_window(Workspace& workspace, int segment, model::LinkAdvance* kernel) noexcept;
+/// @param ghosts [2] the links before and behind the segment; nullptr: the workspace's slots have them
+const double* advance_window(Workspace& workspace, int segment, model::LinkAdvance* kernel, GhostLink* ghosts) noexcept;
 
 /// A link and those of its neighbours that its tips depend on, at a time between those of states that are kept.
 struct NearBlocks {
