@@ -37,14 +37,20 @@ struct JointForce {
     }
 };
 
-/// The two links that meet, and the sum of their directions: along the bisector.
+/// The two links that meet, and sum (along the bisector) and difference of their directions.
 template <class Real>
 struct JointFrames {
     LinkFrameOf<Real> before, after;
-    Real sx, sy;
+    Real sx, sy, cx, cy;
 
+    JointFrames() = default;
     JointFrames(const LinkFrameOf<Real>& link_before, const LinkFrameOf<Real>& link_after) noexcept
-        : before(link_before), after(link_after), sx(before.tx + after.tx), sy(before.ty + after.ty) {}
+        : before(link_before),
+          after(link_after),
+          sx(before.tx + after.tx),
+          sy(before.ty + after.ty),
+          cx(before.tx - after.tx),
+          cy(before.ty - after.ty) {}
 };
 
 /// Positions and velocities of the contact, lanes over the points of one joint or over joints at one point.
@@ -68,15 +74,15 @@ template <int W, class Real, class Points>
     const LinkFrameOf<Real>& after = frames.after;
     JointMotion<W> m;
     const V gx = points.along(gap.x), gy = points.along(gap.y), ax = points.along(rate.x), ay = points.along(rate.y);
-    const Real sx = frames.sx, sy = frames.sy, cx = before.tx - after.tx, cy = before.ty - after.ty;
-    m.dx = gx + j.arm * sx;
-    m.dy = gy + j.arm * sy;
+    const Real &sx = frames.sx, &sy = frames.sy, &cx = frames.cx, &cy = frames.cy;
+    m.dx = gx + j.reach * sx;
+    m.dy = gy + j.reach * sy;
     m.distance = sqrt(m.dx * m.dx + m.dy * m.dy);
     const Reciprocals<W> inverse(m.distance, j.diameter + m.distance);
     m.nx = m.dx * inverse.first;
     m.ny = m.dy * inverse.first;
     // δ = 2ρ - |Δ| = (4ρ² - |Δ|²)/(2ρ + |Δ|), the squares multiplied out so that the depth (µm) does not drown in the rounding of ρ (cm).
-    const V excess = j.square_excess + j.arm * j.arm * (cx * cx + cy * cy) - (gx * gx + gy * gy) - 2.0 * j.arm * (gx * sx + gy * sy);
+    const V excess = j.square_excess + j.reach * j.reach * (cx * cx + cy * cy) - (gx * gx + gy * gy) - 2.0 * j.reach * (gx * sx + gy * sy);
     m.depth = excess * inverse.second;
     m.vx = ax - j.arm * (before.turning * before.ty + after.turning * after.ty);
     m.vy = ay + j.arm * (before.turning * before.tx + after.turning * after.tx);
@@ -98,7 +104,7 @@ struct LineContact {
 template <int W>
 [[nodiscard]] inline Lanes<W> ten_ninths(const Lanes<W>& x) noexcept {
     Lanes<W> result;
-    for (std::size_t lane = 0; lane < W; ++lane) result.set(lane, ten_ninths(x[lane]));
+    for (std::size_t lane = 0; lane < lane_count<W>; ++lane) result.set(lane, static_cast<NumberOf<W>>(ten_ninths(x[lane])));
     return result;
 }
 
