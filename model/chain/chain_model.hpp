@@ -96,7 +96,7 @@ public:
     /// reactions on the sheaves to loads[link - first] where a tip touches.
     void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept { kernels_.slopes(*this, range, slope, loads); }
     /// slopes(), with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) +
-    /// part]. Accounts must be cleared before.
+    /// part]. Accounts must be cleared before. Without slopes of pin halves if slope is nullptr.
     /// @param contacts what each link of the range carries, contacts[link - first]; nullptr: not needed
     void observed_slopes(const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
                          LinkContact* contacts = nullptr) const noexcept {

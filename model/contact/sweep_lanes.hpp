@@ -341,7 +341,7 @@ private:
     /// Friction is -c u/(max(|u| - r c, v0) + r c) times the law's factor: u is the slip without this tip's friction, c the limit and r
     /// the response.
     /// @return change of its force
-    [[nodiscard]] AtTip<V> solve_tip(int corner, const AtTip<V>& v, const V& turn) const noexcept {
+    [[nodiscard, gnu::always_inline]] AtTip<V> solve_tip(int corner, const AtTip<V>& v, const V& turn) const noexcept {
         const V friction_limit = tips_.contact(corner, Tip::friction_limit), full_slip = responses_.tip * friction_limit;
         const AtTip<V> old = friction_.tip(corner);
         const AtTip<V> without =

@@ -26,7 +26,7 @@ public:
     using Books = typename Contacts::Books;
     static constexpr bool observed = Books::observed;
 
-    /// slope [unknowns, per second]
+    /// slope [unknowns, per second]; nullptr where forces are observed: none
     LanePass(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, const Contacts& contacts = {}) noexcept
         : LanePass(model, model.coefficients(), range, slope, loads, contacts) {}
     /// Takes other coefficients than the model's.
@@ -123,6 +123,7 @@ public:
         contacts_.tension(group, count, kind, columns.q());
         moment += add_joints<W>(rear, next, f.data());
         tips(group, count, columns, f.data(), moment, loads_);
+        if (observed && slope_ == nullptr) return;
         add_moment(columns.frame, moment, f.data());
         solve(group, count, f.data());
     }

@@ -51,6 +51,7 @@ public:
             contacts_.no_tips(group_, count_);
             return false;
         }
+        note_touching();
         std::array<SheaveMotionLanes<W>, 2> sheaves;
         const V shaft = pulleys_of(c_, range_.sheaves, columns, sheaves);
         share.force.fill(V(0.0));
@@ -112,12 +113,13 @@ private:
         }
     }
 
-    /// 1 where a tip touches, else 0.
-    [[nodiscard]] V touching(int number) const noexcept {
-        alignas(64) double touching[W];
-        for (std::size_t link = 0; link < W; ++link) touching[link] = (words_[link] >> (8 * number) & 0xffu) != 0 ? 1.0 : 0.0;
-        return load<W>(touching);
+    /// Long before it is read: a vector waits for numbers that have just been stored one by one.
+    void note_touching() noexcept {
+        for (int number = 0; number < tips_per_link; ++number)
+            for (std::size_t link = 0; link < W; ++link) touching_[number][link] = (words_[link] >> (8 * number) & 0xffu) != 0 ? 1.0 : 0.0;
     }
+    /// 1 where a tip touches by its phase so far, else 0.
+    [[nodiscard]] V touching(int number) const noexcept { return load<W>(touching_[number]); }
 
     // Where the record decides which tips touch.
 
@@ -146,10 +148,9 @@ private:
 
     /// 1 where a tip touches, by its depth and its phase so far, else 0; notes the new phases.
     [[nodiscard]] V search(int number, const V& depth) noexcept {
-        alignas(64) double bound[W], touches[W];
-        for (std::size_t link = 0; link < W; ++link)
-            bound[link] = (words_[link] >> (8 * number) & 0xffu) != 0 ? -contacts_.search()->release : 0.0;
-        const V touching = select_greater<W>(near_, V(0.0), select_greater<W>(depth, load<W>(bound), V(1.0), V(0.0)), V(0.0));
+        alignas(64) double touches[W];
+        const V bound = select_greater<W>(touching(number), V(0.0), V(-contacts_.search()->release), V(0.0));
+        const V touching = select_greater<W>(near_, V(0.0), select_greater<W>(depth, bound, V(1.0), V(0.0)), V(0.0));
         touching.copy_to(touches);
         for (std::size_t link = 0; link < W; ++link) found_[link] |= static_cast<std::uint32_t>(touches[link] != 0.0) << (8 * number);
         return touching;
@@ -220,6 +221,7 @@ private:
     const Phase* phases_;  ///< phases of the first lane's link
     int group_;            ///< first lane's link, from the range's first
     int count_;
+    alignas(64) double touching_[tips_per_link][W];
     std::array<std::uint32_t, W> words_{};  ///< phases of each link, 0 beyond the last
     std::uint32_t any_ = 0;
     std::array<std::uint32_t, W> found_{};  ///< phases of each link, by a search
