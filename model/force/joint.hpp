@@ -57,6 +57,7 @@ struct JointFrames {
 template <int W>
 struct JointMotion {
     Lanes<W> dx, dy;                     ///< Δ, between the centres of the arcs [m]
+    Lanes<W> ox, oy;                     ///< a vector as far across the bisector as Δ [m]
     Lanes<W> vx, vy;                     ///< Δ' [m/s]
     Lanes<W> nx, ny;                     ///< ν
     Lanes<W> distance;                   ///< D [m]
@@ -77,6 +78,8 @@ template <int W, class Real, class Points>
     const Real &sx = frames.sx, &sy = frames.sy, &cx = frames.cx, &cy = frames.cy;
     m.dx = gx + j.reach * sx;
     m.dy = gy + j.reach * sy;
+    m.ox = is_single<W> ? gx : m.dx;  // in floats the gap, whose digits the reach does not take
+    m.oy = is_single<W> ? gy : m.dy;
     m.distance = sqrt(m.dx * m.dx + m.dy * m.dy);
     const Reciprocals<W> inverse(m.distance, j.diameter + m.distance);
     m.nx = m.dx * inverse.first;
@@ -187,7 +190,7 @@ template <int W, class Real>
 [[nodiscard]] inline Lanes<W> beyond_clearance(const JointCoefficients& j, const JointFrames<Real>& frames,
                                                const JointMotion<W>& m) noexcept {
     const Real square = frames.sx * frames.sx + frames.sy * frames.sy;
-    const Lanes<W> slanted = m.dy * frames.sx - m.dx * frames.sy;  // along k×b, times |t₋ + t₊|
+    const Lanes<W> slanted = m.oy * frames.sx - m.ox * frames.sy;  // along k×b, times |t₋ + t₊|
     return slanted * slanted - j.clearance * j.clearance * square;
 }
 
@@ -198,7 +201,7 @@ template <int W, class Real, class Points, class Books>
     using V = Lanes<W>;
     using std::sqrt;
     const Real inverse = 1.0 / sqrt(frames.sx * frames.sx + frames.sy * frames.sy), bx = frames.sx * inverse, by = frames.sy * inverse;
-    const V across = m.dy * bx - m.dx * by;
+    const V across = m.oy * bx - m.ox * by;
     const V along = m.dx * bx + m.dy * by;
     const V offset = positive_part<W>(across - j.clearance) - positive_part<W>(-across - j.clearance);
     const V offset_rate = m.vy * bx - m.vx * by - 0.5 * (frames.before.turning + frames.after.turning) * along;

@@ -92,10 +92,7 @@ public:
     }
 
     void tips(int group, int count, const Columns& columns, V* f, V& moment, LinkLoad* loads) const noexcept {
-        TipShare<W> share;
-        if (!tip_share<W>(c_, range_, group, count, contacts_, columns, loads, share)) return;
-        for (int k = 0; k < size; ++k) f[k] += share.force[static_cast<std::size_t>(k)];
-        moment += share.moment;
+        add_tips<W>(c_, range_, group, count, contacts_, columns, f, moment, loads);
     }
 
     /// Slopes of links group … from their forces, which are lost.

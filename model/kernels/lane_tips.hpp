@@ -14,13 +14,6 @@
 namespace cvtflow::model {
 namespace {
 
-/// Forces and moments of tips on their links.
-template <int W>
-struct TipShare {
-    std::array<Lanes<W>, link_layout.link_size()> force;
-    Lanes<W> moment;
-};
-
 /// @tparam Rigid whether sheaves only turn and move along z; then only those reactions are written
 template <int W, bool Rigid, class Contacts = NoContacts>
 class LaneTips {
@@ -42,8 +35,8 @@ public:
             any_ |= words_[static_cast<std::size_t>(link)] = phase_word(phases_ + tips_per_link * link);
     }
 
-    /// Reactions of links that touch to loads. @return whether any does; then `share` is set
-    [[nodiscard]] bool act(const Columns& columns, LinkLoad* loads, TipShare<W>& share) noexcept {
+    /// Adds forces and moments on the links; reactions of those that touch to loads. @return whether any does
+    bool add(const Columns& columns, V* f, V& moment, LinkLoad* loads) noexcept {
         const bool searches = contacts_.search() != nullptr;
         if (searches) find_near(columns);
         if (any_ == 0) {
@@ -54,12 +47,14 @@ public:
         note_touching();
         std::array<SheaveMotionLanes<W>, 2> sheaves;
         const V shaft = pulleys_of(c_, range_.sheaves, columns, sheaves);
-        share.force.fill(V(0.0));
+        std::array<V, size> share;
+        share.fill(V(0.0));
         std::array<Reaction, 2> rear, front;  // by side
-        std::array<V, 2> turning = pair<End::rear>(columns, sheaves, shaft, rear, share.force);
-        const std::array<V, 2> more = pair<End::front>(columns, sheaves, shaft, front, share.force);
+        std::array<V, 2> turning = pair<End::rear>(columns, sheaves, shaft, rear, share);
+        const std::array<V, 2> more = pair<End::front>(columns, sheaves, shaft, front, share);
         for (std::size_t side = 0; side < 2; ++side) turning[side] += more[side];
-        share.moment = turning[0] + turning[1];
+        for (int k = 0; k < size; ++k) f[k] += share[static_cast<std::size_t>(k)];
+        moment += turning[0] + turning[1];
         if (searches) {
             std::copy_n(found_.begin(), count_, words_.begin());  // further lanes belong to others
             keep_phases();
@@ -230,15 +225,15 @@ private:
     const Contacts& contacts_;
 };
 
-/// LaneTips::act() of the links group, …, by what the pulleys are. @param loads of the range
+/// LaneTips::add() of the links group, …, by what the pulleys are. @param loads of the range
 template <int W, class Contacts>
-[[nodiscard]] inline bool tip_share(const Coefficients& c, const ChainRange& range, int group, int count, const Contacts& contacts,
-                                    const LinkColumns<W>& columns, LinkLoad* loads, TipShare<W>& share) noexcept {
+inline bool add_tips(const Coefficients& c, const ChainRange& range, int group, int count, const Contacts& contacts,
+                     const LinkColumns<W>& columns, Lanes<W>* f, Lanes<W>& moment, LinkLoad* loads) noexcept {
     const int first = range.first + group;
     // An eccentric sheave also moves across its axis, and where forces are observed, those that nothing yields to are, too.
     if (!Contacts::Books::observed && (c.layout.pulley_size | static_cast<int>(c.eccentric)) == 4)
-        return LaneTips<W, true, Contacts>(c, range, first, count, contacts).act(columns, loads + group, share);
-    return LaneTips<W, false, Contacts>(c, range, first, count, contacts).act(columns, loads + group, share);
+        return LaneTips<W, true, Contacts>(c, range, first, count, contacts).add(columns, f, moment, loads + group);
+    return LaneTips<W, false, Contacts>(c, range, first, count, contacts).add(columns, f, moment, loads + group);
 }
 
 }  // namespace

@@ -88,7 +88,8 @@ private:
         return {columns.at(0, range_.first + group + range_.shift), columns.stride(), count};
     }
 
-    /// Joints of the pins behind links.
+    /// Joints of the pins behind links, in a frame that turns with the mean of both links, so that what slides (mm/s) does not drown in
+    /// what turns (m/s); gaps are those between the arcs' vertices.
     struct JointPlace {
         JointFrames<Lanes<N>> frames;
         Difference<Lanes<N>> gap, rate;
@@ -97,6 +98,13 @@ private:
             : frames(frame_before(earlier.frame, here.frame), here.frame),
               gap(opening(earlier.q(), here.q())),
               rate(opening(earlier.v(), here.v())) {
+            const Lanes<N> turning = 0.5 * (frames.before.turning + frames.after.turning);
+            frames.before.turning -= turning;
+            frames.after.turning -= turning;
+            for (int m = 0; m < axis_terms; ++m) {
+                rate.x[m] += turning * gap.y[m];
+                rate.y[m] -= turning * gap.x[m];
+            }
             gap.x[0] -= to_vertex * frames.sx;
             gap.y[0] -= to_vertex * frames.sy;
         }
@@ -289,19 +297,18 @@ private:
     }
 
     void add_tips(int group, const Exact& columns, V* f, V& moment) const noexcept {
-        std::array<TipShare<N>, 2> share;
+        std::array<std::array<Lanes<N>, size + 1>, 2> share{};  // force, moment
         bool any = false;
         for (std::size_t half = 0; half < 2; ++half) {
             const int first = group + static_cast<int>(half) * N;
-            if (first < links_ && tip_share<N>(c_, range_, first, links_ - first, tips_, columns[half], loads_, share[half]))
-                any = true;
-            else
-                share[half] = {};
+            if (first < links_)
+                any |= model::add_tips<N>(c_, range_, first, links_ - first, tips_, columns[half], share[half].data(), share[half][size],
+                                          loads_);
         }
         if (!any) return;
-        const auto both = rounded<TipShare<W>>(share[0], share[1]);
-        for (std::size_t k = 0; k < size; ++k) f[k] += both.force[k];
-        moment += both.moment;
+        const auto both = rounded<std::array<V, size + 1>>(share[0], share[1]);
+        for (std::size_t k = 0; k < size; ++k) f[k] += both[k];
+        moment += both[size];
     }
 
     /// Velocities at the step's beginning, counted from those passed over.
