@@ -131,13 +131,13 @@ template <int W>
     return half<W>(lanes, 0) + half<W>(lanes, 1);
 }
 
-/// Lanes [by, by + W) of both, those of `low` first. One vector of the processor, 0 ≤ by ≤ W.
+/// Lanes from `by` on of both, those of `low` first. One vector of the processor, 0 ≤ by ≤ its lanes.
 template <int W, int by>
-requires(W <= native_lanes) [[nodiscard]] inline Lanes<W> slide(const Lanes<W>& low, const Lanes<W>& high) noexcept {
-    if constexpr (by == 0 || by == W) {
+requires(is_native<W>) [[nodiscard]] inline Lanes<W> slide(const Lanes<W>& low, const Lanes<W>& high) noexcept {
+    if constexpr (by == 0 || by == lane_count<W>) {
         return by == 0 ? low : high;
     } else {
-        return native_slide<W, by>(low.v, high.v, std::make_integer_sequence<int, W>{});
+        return native_slide<W, by>(low.v, high.v, std::make_integer_sequence<int, lane_count<W>>{});
     }
 }
 

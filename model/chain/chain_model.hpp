@@ -30,6 +30,7 @@ struct ChainRange {
     const SheaveMotion* sheaves;  ///< [4] number 2 shaft + side; unused if the scene has no pulleys
     const Phase* phases;          ///< [links * 4], of the whole chain
     int shift = 1;                ///< column of a link in fields of contacts: its number + shift
+    bool room = false;            ///< no other range shares these fields, and they have room for a group of lanes behind the range
 };
 
 /// Contact of one link's tips with its sheaves, for transitions and faults.
@@ -95,7 +96,7 @@ public:
     /// reactions on the sheaves to loads[link - first] where a tip touches.
     void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept { kernels_.slopes(*this, range, slope, loads); }
     /// slopes(), with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) +
-    /// part]. Accounts must be cleared before.
+    /// part]. Accounts must be cleared before. Without slopes of pin halves if slope is nullptr.
     /// @param contacts what each link of the range carries, contacts[link - first]; nullptr: not needed
     void observed_slopes(const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
                          LinkContact* contacts = nullptr) const noexcept {

@@ -108,9 +108,9 @@ struct JointContacts {
     const FrictionNumbers& numbers;
 
     [[nodiscard]] int points() const noexcept { return links.field.components.joint_points; }
-    [[nodiscard]] float position(int g) const noexcept { return numbers.joint_position[static_cast<std::size_t>(g)]; }
+    [[nodiscard]] float position(int g) const noexcept { return numbers.joint_points.position[static_cast<std::size_t>(g)]; }
     [[nodiscard]] float basis(int m, int g) const noexcept {
-        return numbers.joint_basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(g)];
+        return numbers.joint_points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(g)];
     }
     /// A component of point g.
     [[nodiscard]] V contact(int g, int component) const noexcept { return links.contact[links.field.components.joint(g) + component]; }

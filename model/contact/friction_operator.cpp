@@ -7,15 +7,25 @@ namespace cvtflow::model {
 
 namespace {
 
-Coefficients without_friction(Coefficients c) {
-    c.plate_friction.coefficient = c.tip.friction.coefficient = c.joint.friction.coefficient = 0.0;
-    return c;
+template <class From, class To>
+void round_all(const From& from, To& to) {
+    std::ranges::transform(from, to.begin(), [](double x) { return static_cast<float>(x); });
+}
+
+template <int Most>
+PointLanes<Most, float> rounded(const PointLanes<Most>& points) {
+    PointLanes<Most, float> to{points.count, points.width};
+    round_all(points.position, to.position);
+    round_all(points.weight, to.weight);
+    round_all(points.damping, to.damping);
+    for (std::size_t m = 0; m < to.basis.size(); ++m) round_all(points.basis[m], to.basis[m]);
+    return to;
 }
 
 MirroredMatrix<float> rounded(const MirroredMatrix<double>& matrix) {
     MirroredMatrix<float> to;
-    std::ranges::transform(matrix.sum, to.sum.begin(), [](double x) { return static_cast<float>(x); });
-    std::ranges::transform(matrix.difference, to.difference.begin(), [](double x) { return static_cast<float>(x); });
+    round_all(matrix.sum, to.sum);
+    round_all(matrix.difference, to.difference);
     return to;
 }
 
@@ -33,26 +43,23 @@ FrictionCurve in_floats(FrictionCurve curve) {
 
 }  // namespace
 
-FrictionNumbers::FrictionNumbers(const Coefficients& c, const HeldInverse& inverse)
-    : joint(in_floats(c.joint.friction)), plate(in_floats(c.plate_friction)), tip(in_floats(c.tip.friction)), tip_law(c.tip.law) {
-    respond_by(inverse);
-    const auto round_all = [](const auto& from, auto& to) {
-        std::ranges::transform(from, to.begin(), [](double x) { return static_cast<float>(x); });
-    };
-    round_all(c.joint_points.position, joint_position);
-    for (std::size_t m = 0; m < joint_basis.size(); ++m) round_all(c.joint_points.basis[m], joint_basis[m]);
-    round_all(c.plates.position, plate_position);
+FrictionNumbers::FrictionNumbers(const Coefficients& c, const HeldInverse& responses)
+    : joint(in_floats(c.joint.friction)),
+      plate(in_floats(c.plate_friction)),
+      tip(in_floats(c.tip.friction)),
+      tip_law(c.tip.law),
+      joint_points(rounded(c.joint_points)),
+      plates(rounded(c.plates)) {
+    respond_by(responses);
 }
 
-void FrictionNumbers::respond_by(const HeldInverse& inverse) noexcept {
-    along = rounded(inverse.along);
-    across = rounded(inverse.across);
-    axial = rounded(inverse.axial);
+void FrictionNumbers::respond_by(const HeldInverse& responses) noexcept {
+    inverse = {rounded(responses.along), rounded(responses.across), rounded(responses.axial), {}};
+    round_all(responses.turning, inverse.turning);
 }
 
 FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase, const FrictionKernels& kernels)
     : chain_(chain),
-      frictionless_(without_friction(chain.coefficients())),
       inverse_(free_inverse(chain.inertia())),
       numbers_(chain.coefficients(), inverse_),
       by_phase_(by_phase),

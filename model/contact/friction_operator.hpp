@@ -15,17 +15,16 @@ inline constexpr double slowest_single = 1e-15;
 
 /// Constants of friction as floats, in which velocities inside a step are computed.
 struct FrictionNumbers {
-    FrictionNumbers(const Coefficients& coefficients, const HeldInverse& inverse);
+    FrictionNumbers(const Coefficients& coefficients, const HeldInverse& responses);
 
     /// Takes another inverse.
-    void respond_by(const HeldInverse& inverse) noexcept;
+    void respond_by(const HeldInverse& responses) noexcept;
 
     FrictionCurve joint, plate, tip;
-    std::shared_ptr<const TipLaw> tip_law;                                     ///< nullptr: none
-    std::array<float, max_joint_lanes> joint_position{};                       ///< ξ [1]
-    std::array<std::array<float, max_joint_lanes>, axis_terms> joint_basis{};  ///< P_m(ξ)
-    std::array<float, max_plate_lanes> plate_position{};                       ///< ξ [1]
-    MirroredMatrix<float> along, across, axial;                                ///< HeldInverse; along and across are equal if none is held
+    std::shared_ptr<const TipLaw> tip_law;  ///< nullptr: none
+    PointLanes<max_joint_lanes, float> joint_points;
+    PointLanes<max_plate_lanes, float> plates;
+    HeldNumbers<float> inverse;
 };
 
 class FrictionOperator;
@@ -90,19 +89,14 @@ public:
     void hold(float step) noexcept;
 
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
-    /// Coefficients of the chain without friction.
-    [[nodiscard]] const Coefficients& frictionless() const noexcept { return frictionless_; }
     /// Whether the branch of the law is that of the tip's phase (detail.stick_slip).
     [[nodiscard]] bool by_phase() const noexcept { return by_phase_; }
     /// Inverse by which velocities respond to forces.
     [[nodiscard]] const HeldInverse& inverse() const noexcept { return inverse_; }
-    /// Inverse of held links; nullptr: they are not held.
-    [[nodiscard]] const HeldInverse* held() const noexcept { return held_for_ > 0.0F ? &inverse_ : nullptr; }
     [[nodiscard]] const FrictionNumbers& numbers() const noexcept { return numbers_; }
 
 private:
     const ChainModel& chain_;
-    Coefficients frictionless_;
     HeldInverse inverse_;
     float held_for_ = 0.0F;  ///< step that inverse_ holds links for; 0: none is held [s]
     FrictionNumbers numbers_;

@@ -124,7 +124,7 @@ private:
         const ContactComponents& components = links_.field.components;
         V fz(0.0), fe(0.0);
         for (int j = 0; j < components.plates; ++j) {
-            const float xi = numbers_.plate_position[static_cast<std::size_t>(j)];
+            const float xi = numbers_.plates.position[static_cast<std::size_t>(j)];
             const V sliding = gap_z + xi * gap_e;
             const V slide = links_.contact[components.plate(j)] * friction_share<W>(numbers_.plate, sliding);
             fz += slide;
@@ -192,8 +192,8 @@ private:
     /// Accelerations of links that are not held by forces: slopes alone, or the row of a table that takes them.
     void accelerate(const V* f) const noexcept {
         Rows slope;
-        for (int axis = 0; axis < 2; ++axis) multiply_ends<n>(numbers_.across, f + 2 * n * axis, slope.data() + 2 * n * axis);
-        multiply_ends<2>(numbers_.axial, f + 4 * n, slope.data() + 4 * n);
+        for (int axis = 0; axis < 2; ++axis) multiply_ends<n>(numbers_.inverse.across, f + 2 * n * axis, slope.data() + 2 * n * axis);
+        multiply_ends<2>(numbers_.inverse.axial, f + 4 * n, slope.data() + 4 * n);
         if (stage_.next != nullptr) add_base(slope);
         if (stage_.slope != nullptr) store(*stage_.slope, slope);
         if (stage_.next != nullptr) combine(*stage_.next, slope);

@@ -262,8 +262,8 @@ private:
     /// A⁻¹ f.
     void respond(const V* f, V* accelerations) const noexcept {
         const V tx = links_.contact[ContactComponents::frame_x], ty = links_.contact[ContactComponents::frame_y];
-        multiply_turned(numbers_.along, numbers_.across, tx, ty, f, accelerations);
-        multiply_ends<2>(numbers_.axial, f + 4 * n, accelerations + 4 * n);
+        multiply_turned(numbers_.inverse.along, numbers_.inverse.across, tx, ty, f, accelerations);
+        multiply_ends<2>(numbers_.inverse.axial, f + 4 * n, accelerations + 4 * n);
     }
 
     /// Velocities after forces have acted over the step. @param to velocities so far, or the result
@@ -307,14 +307,14 @@ private:
         const V z = friction_.now[rows_.plate_rate()], tilt = friction_.now[rows_.plate_rate() + 1],
                 slowest(numbers_.plate.saturation_speed);
         const auto add = [&](int plate, const V& inverse_speed) {
-            const float xi = numbers_.plate_position[static_cast<std::size_t>(plate)];
+            const float xi = numbers_.plates.position[static_cast<std::size_t>(plate)];
             const V secant = links_.contact[components.plate(plate)] * inverse_speed, lever = xi * secant;
             a += secant;
             b += lever;
             e += xi * lever;
         };
         const auto speed = [&](int plate) {
-            return larger<W>(abs(z + numbers_.plate_position[static_cast<std::size_t>(plate)] * tilt), slowest);
+            return larger<W>(abs(z + numbers_.plates.position[static_cast<std::size_t>(plate)] * tilt), slowest);
         };
         int plate = 0;
         for (; plate + 1 < components.plates; plate += 2) {
@@ -346,7 +346,7 @@ private:
     /// Friction is -c u/(max(|u| - r c, v0) + r c) times the law's factor: u is the slip without this tip's friction, c the limit and r
     /// the response.
     /// @return change of its force
-    [[nodiscard]] AtTip<V> solve_tip(int corner, const AtTip<V>& v, const V& turn) const noexcept {
+    [[nodiscard, gnu::always_inline]] AtTip<V> solve_tip(int corner, const AtTip<V>& v, const V& turn) const noexcept {
         const V friction_limit = tips_.contact(corner, Tip::friction_limit), full_slip = responses_.tip * friction_limit;
         const AtTip<V> old = friction_.tip(corner);
         const AtTip<V> without =

@@ -37,20 +37,27 @@ struct JointForce {
     }
 };
 
-/// The two links that meet, and the sum of their directions: along the bisector.
+/// The two links that meet, and sum (along the bisector) and difference of their directions.
 template <class Real>
 struct JointFrames {
     LinkFrameOf<Real> before, after;
-    Real sx, sy;
+    Real sx, sy, cx, cy;
 
+    JointFrames() = default;
     JointFrames(const LinkFrameOf<Real>& link_before, const LinkFrameOf<Real>& link_after) noexcept
-        : before(link_before), after(link_after), sx(before.tx + after.tx), sy(before.ty + after.ty) {}
+        : before(link_before),
+          after(link_after),
+          sx(before.tx + after.tx),
+          sy(before.ty + after.ty),
+          cx(before.tx - after.tx),
+          cy(before.ty - after.ty) {}
 };
 
 /// Positions and velocities of the contact, lanes over the points of one joint or over joints at one point.
 template <int W>
 struct JointMotion {
     Lanes<W> dx, dy;                     ///< Δ, between the centres of the arcs [m]
+    Lanes<W> ox, oy;                     ///< a vector as far across the bisector as Δ [m]
     Lanes<W> vx, vy;                     ///< Δ' [m/s]
     Lanes<W> nx, ny;                     ///< ν
     Lanes<W> distance;                   ///< D [m]
@@ -68,15 +75,17 @@ template <int W, class Real, class Points>
     const LinkFrameOf<Real>& after = frames.after;
     JointMotion<W> m;
     const V gx = points.along(gap.x), gy = points.along(gap.y), ax = points.along(rate.x), ay = points.along(rate.y);
-    const Real sx = frames.sx, sy = frames.sy, cx = before.tx - after.tx, cy = before.ty - after.ty;
-    m.dx = gx + j.arm * sx;
-    m.dy = gy + j.arm * sy;
+    const Real &sx = frames.sx, &sy = frames.sy, &cx = frames.cx, &cy = frames.cy;
+    m.dx = gx + j.reach * sx;
+    m.dy = gy + j.reach * sy;
+    m.ox = is_single<W> ? gx : m.dx;  // in floats the gap, whose digits the reach does not take
+    m.oy = is_single<W> ? gy : m.dy;
     m.distance = sqrt(m.dx * m.dx + m.dy * m.dy);
     const Reciprocals<W> inverse(m.distance, j.diameter + m.distance);
     m.nx = m.dx * inverse.first;
     m.ny = m.dy * inverse.first;
     // δ = 2ρ - |Δ| = (4ρ² - |Δ|²)/(2ρ + |Δ|), the squares multiplied out so that the depth (µm) does not drown in the rounding of ρ (cm).
-    const V excess = j.square_excess + j.arm * j.arm * (cx * cx + cy * cy) - (gx * gx + gy * gy) - 2.0 * j.arm * (gx * sx + gy * sy);
+    const V excess = j.square_excess + j.reach * j.reach * (cx * cx + cy * cy) - (gx * gx + gy * gy) - 2.0 * j.reach * (gx * sx + gy * sy);
     m.depth = excess * inverse.second;
     m.vx = ax - j.arm * (before.turning * before.ty + after.turning * after.ty);
     m.vy = ay + j.arm * (before.turning * before.tx + after.turning * after.tx);
@@ -98,7 +107,7 @@ struct LineContact {
 template <int W>
 [[nodiscard]] inline Lanes<W> ten_ninths(const Lanes<W>& x) noexcept {
     Lanes<W> result;
-    for (std::size_t lane = 0; lane < W; ++lane) result.set(lane, ten_ninths(x[lane]));
+    for (std::size_t lane = 0; lane < lane_count<W>; ++lane) result.set(lane, static_cast<NumberOf<W>>(ten_ninths(x[lane])));
     return result;
 }
 
@@ -181,7 +190,7 @@ template <int W, class Real>
 [[nodiscard]] inline Lanes<W> beyond_clearance(const JointCoefficients& j, const JointFrames<Real>& frames,
                                                const JointMotion<W>& m) noexcept {
     const Real square = frames.sx * frames.sx + frames.sy * frames.sy;
-    const Lanes<W> slanted = m.dy * frames.sx - m.dx * frames.sy;  // along k×b, times |t₋ + t₊|
+    const Lanes<W> slanted = m.oy * frames.sx - m.ox * frames.sy;  // along k×b, times |t₋ + t₊|
     return slanted * slanted - j.clearance * j.clearance * square;
 }
 
@@ -192,7 +201,7 @@ template <int W, class Real, class Points, class Books>
     using V = Lanes<W>;
     using std::sqrt;
     const Real inverse = 1.0 / sqrt(frames.sx * frames.sx + frames.sy * frames.sy), bx = frames.sx * inverse, by = frames.sy * inverse;
-    const V across = m.dy * bx - m.dx * by;
+    const V across = m.oy * bx - m.ox * by;
     const V along = m.dx * bx + m.dy * by;
     const V offset = positive_part<W>(across - j.clearance) - positive_part<W>(-across - j.clearance);
     const V offset_rate = m.vy * bx - m.vx * by - 0.5 * (frames.before.turning + frames.after.turning) * along;

@@ -89,11 +89,11 @@ struct Difference {
 /// A point along ξ.
 template <int W>
 struct AxisPoint {
-    double basis[axis_terms];  ///< P_m(ξ), m ≥ 1
-    double xi;                 ///< place along the pin [1]
+    NumberOf<W> basis[axis_terms];  ///< P_m(ξ), m ≥ 1
+    NumberOf<W> xi;                 ///< place along the pin [1]
 
     template <int Most>
-    AxisPoint(const PointLanes<Most>& points, int point) noexcept : xi(points.position[static_cast<std::size_t>(point)]) {
+    AxisPoint(const PointLanes<Most, NumberOf<W>>& points, int point) noexcept : xi(points.position[static_cast<std::size_t>(point)]) {
         for (int m = 1; m < axis_terms; ++m) basis[m] = points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(point)];
     }
     /// Σ c_m P_m(ξ). @param c [coefficients of the axis]

@@ -24,11 +24,6 @@ struct NoContacts {
     using PointBooks = NoBooks;
     static constexpr bool recorded = false;
     static constexpr TipSearch* search() noexcept { return nullptr; }
-    static constexpr const HeldInverse* held() noexcept { return nullptr; }
-    [[nodiscard]] static int rows(int, int) noexcept { return 0; }
-    static void frames(int, const auto& /*frame*/) noexcept {}
-    static void link(int, int, const auto& /*columns*/) noexcept {}
-    static void gap(int, AccountPart, const auto& /*rate*/) noexcept {}
     static void tip(const auto& /*links*/, int, const auto&...) noexcept {}
     static void no_tips(int, int) noexcept {}
     static void tension(int, int, const auto&...) noexcept {}
@@ -45,16 +40,16 @@ struct TipLinks {
     const std::array<std::uint32_t, W>& touches;  ///< phases of each link, 0: it touches nowhere
 };
 
-/// Destination of the numbers of W links in rows of columns, of doubles or of floats; lanes first … last - 1 represent links.
+/// Destination of the numbers of W links in rows of columns, of doubles or of floats.
 template <int W, class Number>
 struct GroupRows {
     Number* to;  ///< row 0, lane 0
     std::ptrdiff_t stride;
-    int first, last;
+    int count;  ///< lanes to be written, from the first one
 
     [[gnu::always_inline]] void put(int row, const Lanes<W>& lanes) const noexcept {
         Number* const place = to + row * stride;
-        if (last - first == W)
+        if (count == lane_count<W>)
             store(lanes, place);
         else
             put_some(place, lanes);
@@ -62,20 +57,20 @@ struct GroupRows {
 
 private:
     [[gnu::noinline]] void put_some(Number* place, const Lanes<W>& lanes) const noexcept {
-        alignas(64) Number buffer[W];
+        alignas(64) Number buffer[static_cast<std::size_t>(lane_count<W>)];
         store(lanes, buffer);
-        if (first < last) std::copy_n(buffer + first, last - first, place + first);
+        std::copy_n(buffer, std::max(count, 0), place);
     }
-    static void store(const Lanes<W>& lanes, float* place) noexcept { store_rounded<W>(lanes, place); }
-    static void store(const Lanes<W>& lanes, double* place) noexcept { lanes.copy_to(place); }
+    static void store(const Lanes<W>& lanes, NumberOf<W>* place) noexcept { lanes.copy_to(place); }
+    static void store(const Lanes<W>& lanes, float* place) noexcept requires(!is_single<W>) { store_rounded<W>(lanes, place); }
 };
 
-/// Groups of W links; `group` counts from the range's first, `count` of the lanes represent links. Further lanes are left out.
+/// Writes tips of groups of W links; `group` counts from the range's first, `count` of the lanes represent links. Lanes outside the range
+/// are left out.
 template <int W>
 class ContactWriter : public NoContacts {
 public:
     using V = Lanes<W>;
-    using Joint = ContactComponents::Joint;
     using Tip = ContactComponents::Tip;
     using Rows = GroupRows<W, float>;
     static constexpr bool recorded = true;
@@ -84,52 +79,13 @@ public:
     ContactWriter(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const ContactRecord& to,
                   TipSearch* search) noexcept
         : c_(friction.chain().coefficients()),
-          held_(friction.held()),
           range_(range),
           drift_(drift),
           by_phase_(friction.by_phase()),
           field_(to.field),
-          to_(to),
           search_(search) {}
 
     [[nodiscard]] TipSearch* search() const noexcept { return search_; }
-    [[nodiscard]] const HeldInverse* held() const noexcept { return held_; }
-
-    /// Rows of the field for the links group, …
-    [[nodiscard]] Rows rows(int group, int count) const noexcept { return rows_of(field_.columns, group, count); }
-
-    /// The links' frames, also of one link on each side of the range.
-    void frames(int group, const LinkFrameOf<V>& frame) const noexcept {
-        const Rows to = rows(group, range_.last - range_.first + 1 - group);
-        to.put(ContactComponents::frame_x, frame.tx);
-        to.put(ContactComponents::frame_y, frame.ty);
-        to.put(ContactComponents::inverse_length, frame.inverse_length);
-    }
-
-    /// The links' velocities.
-    void link(int group, int count, const LinkColumns<W>& columns) const noexcept { velocities(group, count, columns.v()); }
-
-    /// @param to rows() of the links, and of the one behind the range
-    void joint(const Rows& to, int point, const JointMotion<W>& m, const V& normal) const noexcept {
-        const int row = field_.components.joint(point);
-        to.put(row + Joint::normal_x, m.nx);
-        to.put(row + Joint::normal_y, m.ny);
-        to.put(row + Joint::lever_before, m.lever_before);
-        to.put(row + Joint::lever_after, m.lever_after);
-        to.put(row + Joint::friction_limit, c_.joint.friction.coefficient * normal);
-        to.put(field_.components.sliding(point), m.slip);
-    }
-
-    /// Rates at which the gap of a joint opens, or that between the pins of a link.
-    void gap(const Rows& to, AccountPart part, const Difference<V>& rate) const noexcept {
-        const int row = part == AccountPart::joint ? field_.components.joint_gap() : field_.components.plate_gap();
-        to.put(row, rate.z);
-        to.put(row + 1, rate.e);
-    }
-
-    void plate(const Rows& to, int plate, const V& tension) const noexcept {
-        to.put(field_.components.plate(plate), c_.plate_friction.coefficient * positive_part<W>(tension));
-    }
 
     /// Links that touch nowhere.
     void no_tips(int group, int count) const noexcept {
@@ -160,29 +116,11 @@ public:
         if (by_phase_) branches(group, count, corner);
     }
 
-    /// Accelerations of a group, rows of the coordinates.
-    void accelerations(int group, int count, const V* rows) const noexcept {
-        const Rows to = rows_of(to_.frictionless, group, count);
-        for (int row = 0; row < link_layout.link_size(); ++row) to.put(row, rows[row]);
-    }
-
 private:
-    /// Velocities at the step's beginning, counted from those passed over. @param v of these, rows of the coordinates
-    void velocities(int group, int count, const V* v) const noexcept {
-        constexpr int size = link_layout.link_size(), block = 2 * size;
-        constexpr int rows = (size + W - 1) / W * W;  // the last of a block: velocities, and some coordinates before them
-        std::array<const double*, W> from;
-        for (int lane = 0; lane < W; ++lane)
-            from[static_cast<std::size_t>(lane)] = to_.states + (group + std::min(lane, count - 1) + 1) * block - rows;
-        std::array<V, rows> begin;
-        load_rows<W, rows>(from, begin.data());
-        const Rows to = rows_of(to_.velocity, group, count);
-        for (int row = 0; row < size; ++row) to.put(row, begin[static_cast<std::size_t>(rows - size + row)] - v[row]);
-    }
-
+    [[nodiscard]] Rows rows(int group, int count) const noexcept { return rows_of(field_.columns, group, count); }
     template <class Any>
     [[nodiscard]] GroupRows<W, Any> rows_of(ColumnsOf<Any>& columns, int group, int count) const noexcept {
-        return {columns.at(0, range_.first + group + range_.shift), columns.stride(), std::max(0, -1 - group), std::min(count, W)};
+        return {columns.at(0, range_.first + group + range_.shift), columns.stride(), std::min(count, W)};
     }
 
     /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.
@@ -208,7 +146,7 @@ private:
         const int row = field_.components.tip(corner);
         const double v0 = c_.tip.friction.saturation_speed;
         const Rows to = rows(group, count);
-        for (int lane = to.first; lane < to.last; ++lane) {
+        for (int lane = 0; lane < to.count; ++lane) {
             const int link = range_.first + group + lane;
             const Phase phase = range_.phases[tips_per_link * link + corner];
             *field_.columns.at(row + Tip::least, link + range_.shift) = static_cast<float>(phase == Phase::slip ? slowest_single : v0);
@@ -218,12 +156,10 @@ private:
     }
 
     const Coefficients& c_;  ///< friction included
-    const HeldInverse* held_;
     const ChainRange& range_;
     const ContactDrift& drift_;
     bool by_phase_;
     ContactField& field_;
-    const ContactRecord& to_;
     TipSearch* search_;
 };
 

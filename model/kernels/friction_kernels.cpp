@@ -2,7 +2,7 @@
 #include "model/contact/stage_lanes.hpp"
 #include "model/contact/sweep_lanes.hpp"
 #include "model/kernels/kernels.hpp"
-#include "model/kernels/lane_pass.hpp"
+#include "model/kernels/record_pass.hpp"
 #include "model/kernels/step_end.hpp"
 
 namespace cvtflow::model {
@@ -11,9 +11,7 @@ namespace {
 
 void record(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const ContactRecord& to, LinkLoad* loads,
             TipSearch* search) noexcept {
-    const ChainModel& chain = friction.chain();
-    using Contacts = ContactWriter<native_lanes>;
-    LanePass<native_lanes, Contacts>(chain, friction.frictionless(), range, nullptr, loads, {friction, range, drift, to, search}).run();
+    RecordPass<native_lanes>(friction, range, drift, to, loads, search).run();
 }
 
 }  // namespace

@@ -35,15 +35,16 @@ public:
             any_ |= words_[static_cast<std::size_t>(link)] = phase_word(phases_ + tips_per_link * link);
     }
 
-    /// Adds forces and moments on the links; reactions of those that touch to loads.
-    void add(const Columns& columns, V* f, V& moment, LinkLoad* loads) noexcept {
+    /// Adds forces and moments on the links; reactions of those that touch to loads. @return whether any does
+    bool add(const Columns& columns, V* f, V& moment, LinkLoad* loads) noexcept {
         const bool searches = contacts_.search() != nullptr;
         if (searches) find_near(columns);
         if (any_ == 0) {
             if (searches) keep_phases();
             contacts_.no_tips(group_, count_);
-            return;
+            return false;
         }
+        note_touching();
         std::array<SheaveMotionLanes<W>, 2> sheaves;
         const V shaft = pulleys_of(c_, range_.sheaves, columns, sheaves);
         std::array<V, size> share;
@@ -61,6 +62,7 @@ public:
         }
         contacts_.book_tips(group_, count_, books_);
         write(rear, front, shaft, loads);
+        return true;
     }
 
 private:
@@ -106,12 +108,13 @@ private:
         }
     }
 
-    /// 1 where a tip touches, else 0.
-    [[nodiscard]] V touching(int number) const noexcept {
-        alignas(64) double touching[W];
-        for (std::size_t link = 0; link < W; ++link) touching[link] = (words_[link] >> (8 * number) & 0xffu) != 0 ? 1.0 : 0.0;
-        return load<W>(touching);
+    /// Long before it is read: a vector waits for numbers that have just been stored one by one.
+    void note_touching() noexcept {
+        for (int number = 0; number < tips_per_link; ++number)
+            for (std::size_t link = 0; link < W; ++link) touching_[number][link] = (words_[link] >> (8 * number) & 0xffu) != 0 ? 1.0 : 0.0;
     }
+    /// 1 where a tip touches by its phase so far, else 0.
+    [[nodiscard]] V touching(int number) const noexcept { return load<W>(touching_[number]); }
 
     // Where the record decides which tips touch.
 
@@ -140,10 +143,9 @@ private:
 
     /// 1 where a tip touches, by its depth and its phase so far, else 0; notes the new phases.
     [[nodiscard]] V search(int number, const V& depth) noexcept {
-        alignas(64) double bound[W], touches[W];
-        for (std::size_t link = 0; link < W; ++link)
-            bound[link] = (words_[link] >> (8 * number) & 0xffu) != 0 ? -contacts_.search()->release : 0.0;
-        const V touching = select_greater<W>(near_, V(0.0), select_greater<W>(depth, load<W>(bound), V(1.0), V(0.0)), V(0.0));
+        alignas(64) double touches[W];
+        const V bound = select_greater<W>(touching(number), V(0.0), V(-contacts_.search()->release), V(0.0));
+        const V touching = select_greater<W>(near_, V(0.0), select_greater<W>(depth, bound, V(1.0), V(0.0)), V(0.0));
         touching.copy_to(touches);
         for (std::size_t link = 0; link < W; ++link) found_[link] |= static_cast<std::uint32_t>(touches[link] != 0.0) << (8 * number);
         return touching;
@@ -217,6 +219,7 @@ private:
     const Phase* phases_;  ///< phases of the first lane's link
     int group_;            ///< first lane's link, from the range's first
     int count_;
+    alignas(64) double touching_[tips_per_link][W];
     std::array<std::uint32_t, W> words_{};  ///< phases of each link, 0 beyond the last
     std::uint32_t any_ = 0;
     std::array<std::uint32_t, W> found_{};  ///< phases of each link, by a search
@@ -224,6 +227,17 @@ private:
     std::array<typename Contacts::PointBooks, tips_per_link> books_;
     const Contacts& contacts_;
 };
+
+/// LaneTips::add() of the links group, …, by what the pulleys are. @param loads of the range
+template <int W, class Contacts>
+inline bool add_tips(const Coefficients& c, const ChainRange& range, int group, int count, const Contacts& contacts,
+                     const LinkColumns<W>& columns, Lanes<W>* f, Lanes<W>& moment, LinkLoad* loads) noexcept {
+    const int first = range.first + group;
+    // An eccentric sheave also moves across its axis, and where forces are observed, those that nothing yields to are, too.
+    if (!Contacts::Books::observed && (c.layout.pulley_size | static_cast<int>(c.eccentric)) == 4)
+        return LaneTips<W, true, Contacts>(c, range, first, count, contacts).add(columns, f, moment, loads + group);
+    return LaneTips<W, false, Contacts>(c, range, first, count, contacts).add(columns, f, moment, loads + group);
+}
 
 }  // namespace
 }  // namespace cvtflow::model

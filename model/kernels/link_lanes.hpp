@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "model/basis/lanes.hpp"
+#include "model/force/inner.hpp"
+#include "model/force/joint.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/force/sheave_motion.hpp"
 #include "model/machine/coefficients.hpp"
@@ -103,7 +105,78 @@ struct KindLanes {
     };
     Lanes<W> free_length, inverse_length;
     SpringLanes bending, shear, torsion;
+
+    KindLanes() = default;
+    /// @param first of W links, `count` of them different
+    KindLanes(const Coefficients& c, int first, int count) noexcept {
+        constexpr int numbers = sizeof(LinkKind) / sizeof(double);
+        std::array<const double*, W> from;
+        for (int lane = 0; lane < W; ++lane)
+            from[static_cast<std::size_t>(lane)] = reinterpret_cast<const double*>(&c.kind(first + std::min(lane, count - 1)));
+        std::array<Lanes<W>, numbers> rows;
+        static_assert(sizeof *this == sizeof rows);
+        load_rows<W, numbers>(from, rows.data());
+        std::memcpy(static_cast<void*>(this), rows.data(), sizeof rows);
+    }
 };
+
+/// The lane before each lane; the first one's is the last of `earlier`.
+template <int W>
+[[nodiscard]] inline Lanes<W> before(const Lanes<W>& earlier, const Lanes<W>& here) noexcept {
+    return slide<W, lane_count<W> - 1>(earlier, here);
+}
+/// The lane after each lane; the last one's is the first of `later`.
+template <int W>
+[[nodiscard]] inline Lanes<W> after(const Lanes<W>& here, const Lanes<W>& later) noexcept {
+    return slide<W, 1>(here, later);
+}
+
+/// Frames of the links before.
+template <int W>
+[[nodiscard]] inline LinkFrameOf<Lanes<W>> frame_before(const LinkFrameOf<Lanes<W>>& earlier, const LinkFrameOf<Lanes<W>>& here) noexcept {
+    return {before<W>(earlier.tx, here.tx), before<W>(earlier.ty, here.ty), before<W>(earlier.inverse_length, here.inverse_length),
+            before<W>(earlier.turning, here.turning)};
+}
+
+/// Front halves of the links before, less the rear halves of links. @param earlier, here coordinates or velocities of groups
+template <int W>
+[[nodiscard]] inline Difference<Lanes<W>> opening(const Lanes<W>* earlier, const Lanes<W>* here) noexcept {
+    const auto front_minus_rear = [&](int front, int rear) { return before<W>(earlier[front], here[front]) - here[rear]; };
+    Difference<Lanes<W>> d;
+    for (int m = 0; m < axis_terms; ++m) {
+        d.x[m] = front_minus_rear(link_layout.x(End::front, m), link_layout.x(End::rear, m));
+        d.y[m] = front_minus_rear(link_layout.y(End::front, m), link_layout.y(End::rear, m));
+    }
+    d.z = front_minus_rear(link_layout.z(End::front), link_layout.z(End::rear));
+    d.e = front_minus_rear(link_layout.e(End::front), link_layout.e(End::rear));
+    return d;
+}
+
+/// Adds the forces of the joints of the rear pins of links, and of those that follow; returns their moments on the links.
+/// @param next joints of the next group
+template <int W>
+[[nodiscard]] inline Lanes<W> add_joints(const JointForce<Lanes<W>>& rear, const JointForce<Lanes<W>>& next, Lanes<W>* f) noexcept {
+    rear.on_front.apply(-1.0, f, End::rear);
+    const Difference<Lanes<W>>&a = rear.on_front, &b = next.on_front;
+    for (int m = 0; m < axis_terms; ++m) {
+        f[link_layout.x(End::front, m)] += after<W>(a.x[m], b.x[m]);
+        f[link_layout.y(End::front, m)] += after<W>(a.y[m], b.y[m]);
+    }
+    f[link_layout.z(End::front)] += after<W>(a.z, b.z);
+    f[link_layout.e(End::front)] += after<W>(a.e, b.e);
+    return rear.after + after<W>(rear.before, next.before);
+}
+
+/// λ of both pins of links, W of them, `count` different.
+template <int W>
+[[nodiscard]] inline std::array<Lanes<W>, 2> lengths_of(const Coefficients& c, int first, int count) noexcept {
+    alignas(64) double longer[2][W];
+    for (int lane = 0; lane < W; ++lane) {
+        const std::array<double, 2> of_link = lengths_at(c, first + std::min(lane, count - 1));
+        for (std::size_t end = 0; end < 2; ++end) longer[end][lane] = of_link[end];
+    }
+    return {load<W>(longer[0]), load<W>(longer[1])};
+}
 
 /// One of the two sheaves of each link's pulley, in the order of SheaveMotion.
 template <int W>
@@ -156,7 +229,7 @@ inline void accelerate(const LinkInertia& inertia, Lanes<W>* f) noexcept {
 
 /// Accelerations of held links likewise: the plates' stretch is accelerated by t·a + |d| θ'².
 template <int W>
-inline void accelerate(const HeldInverse& inverse, const LinkFrameOf<Lanes<W>>& frame, Lanes<W>* f) noexcept {
+inline void accelerate(const HeldNumbers<NumberOf<W>>& inverse, const LinkFrameOf<Lanes<W>>& frame, Lanes<W>* f) noexcept {
     const Lanes<W> outward = frame.turning * frame.turning / frame.inverse_length;
     for (int m = 0; m < axis_terms; m += 2) {
         const Lanes<W> pull = inverse.turning[static_cast<std::size_t>(m)] * outward, x = pull * frame.tx, y = pull * frame.ty;

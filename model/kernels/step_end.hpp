@@ -104,7 +104,8 @@ inline void turn_reactions(const Lanes<W>* force, const double* arms, std::ptrdi
 
 /// @param force rows of the links from `link` on, `count` of them
 template <int W>
-inline void add_reactions(const TipReactions& r, const std::array<Lanes<W>, 3 * tips_per_link>& force, int link, int count) noexcept {
+[[gnu::always_inline]] inline void add_reactions(const TipReactions& r, const std::array<Lanes<W>, 3 * tips_per_link>& force, int link,
+                                                 int count) noexcept {
     static_assert(sizeof(SheaveLoad) == 12 * sizeof(double));
     std::array<std::array<Lanes<W>, 12>, 2> reactions;
     turn_reactions<W>(force.data(), r.arms + link, r.arms_stride, reactions);

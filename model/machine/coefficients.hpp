@@ -30,15 +30,16 @@ struct LinkKind {
     Spring bending, shear, torsion;  ///< plate pack
 };
 
-/// Points along ξ. Sums over them have the tree of lanes side by side; lanes beyond the count are padding.
-template <int Most>
+/// Points along ξ, those at ξ and -ξ equally far from the ends of the list. Sums over them have the tree of lanes side by side; lanes
+/// beyond the count are padding.
+template <int Most, class Number = double>
 struct PointLanes {
     int count = 0;                                    ///< real points
     int width = 0;                                    ///< lanes of one chunk, a power of two ≤ 16; chunks = ceil(count/width)
-    alignas(64) std::array<double, Most> position{};  ///< ξ [1]
-    alignas(64) std::array<double, Most> weight{};    ///< stiffness or quadrature weight, 0 on padding
-    alignas(64) std::array<double, Most> damping{};   ///< [N·s/m], 0 on padding
-    alignas(64) std::array<std::array<double, Most>, axis_terms> basis{};  ///< P_m(ξ)
+    alignas(64) std::array<Number, Most> position{};  ///< ξ [1]
+    alignas(64) std::array<Number, Most> weight{};    ///< stiffness or quadrature weight, 0 on padding
+    alignas(64) std::array<Number, Most> damping{};   ///< [N·s/m], 0 on padding
+    alignas(64) std::array<std::array<Number, Most>, axis_terms> basis{};  ///< P_m(ξ)
 };
 
 /// Springs of the bending modes m = 2…p of both halves: rear 2…p, front 2…p.
@@ -59,7 +60,8 @@ struct TipCoefficients {
 struct JointCoefficients {
     double arm;                 ///< c_a = ρ - w/2 [m]
     double diameter;            ///< 2ρ [m]
-    double square_excess;       ///< 4ρ² - 4c_a² = w (4ρ - w) [m²]
+    double reach;               ///< c_a, or another distance from the points between which a gap is taken to the arcs' centres [m]
+    double square_excess;       ///< 4ρ² - 4 reach²; with c_a: w (4ρ - w) [m²]
     double stiffness, damping;  ///< k_J [N/m], χ_J [s/m]
     bool palmgren;
     double reference_depth;                                    ///< [m]

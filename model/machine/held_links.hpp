@@ -11,10 +11,12 @@
 namespace cvtflow::model {
 
 /// Inverse of M + h² K of a link, in its frame.
-struct HeldInverse {
-    MirroredMatrix<double> along, across, axial;  ///< blocks of x and y along the link and across it, of z and e
-    std::array<double, axis_terms> turning{};     ///< h² K of the plates on their stretch, by which |d| θ'² counts as one [kg]
+template <class Number>
+struct HeldNumbers {
+    MirroredMatrix<Number> along, across, axial;  ///< blocks of x and y along the link and across it, of z and e; equal if none is held
+    std::array<Number, axis_terms> turning{};     ///< h² K of the plates on their stretch, by which |d| θ'² counts as one [kg]
 };
+using HeldInverse = HeldNumbers<double>;
 
 /// Stiffness K = Σ θ K_i of pin halves: plates along the link, bending and extension of halves, joints against modes 2 and 3 of each.
 class HeldLinks {

@@ -154,7 +154,7 @@ void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::siz
     const Segment& bounds = w.partition[segment];
     const double* window = advance_window(w, segment, friction.kernels().advance, ghosts);
     const int shift = fields.columns().shift(segment), begin = w.layout().link_begin(bounds.first);
-    const model::ChainRange range{bounds.first, bounds.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift};
+    const model::ChainRange range{bounds.first, bounds.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, true};
     model::LinkLoad* loads = normal_loads_.data() + bounds.first;
     friction.record(range, drift, {w.states[0] + begin, f.contacts, f.of[frictionless], f.start}, loads, search);
     for (int row = 0; row < 3 * model::tips_per_link; ++row)

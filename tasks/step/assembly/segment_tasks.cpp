@@ -202,7 +202,8 @@ void observe_segment(void* workspace, int segment) noexcept {
                                   w.tips.phases.data()};
     model::Account* accounts = cleared_accounts(w, bounds);
     const int begin = layout.link_begin(bounds.first);
-    w.variator.chain().observed_slopes(range, w.cut_state + begin, w.links.loads.data() + bounds.first, accounts,
+    double* slopes = layout.rigid ? w.cut_state + begin : nullptr;
+    w.variator.chain().observed_slopes(range, slopes, w.links.loads.data() + bounds.first, accounts,
                                        w.links.observed ? w.links.contacts.data() + bounds.first : nullptr);
     w.variator.chain().book_kinetic(w.states[0] + begin, bounds.size(), accounts);
 }
