@@ -138,6 +138,7 @@ void RigidModel::link_forces(const RigidKick& kick, RigidColumns& columns, Rigid
     kernels_.link_forces(coefficients_, kick, columns, f.account);
     kernels_.joint_forces(coefficients_, kick, columns, f.account);
     kernels_.sum_link_forces(columns);
+    if (kick.implicit()) kernels_.filter_waves(coefficients_, kick, columns);
     if (coefficients_.guide.present) kernels_.guide(coefficients_, kick, columns, f.account);
 }
 
@@ -156,7 +157,7 @@ void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, 
 void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     kernels_.joint_friction(coefficients_, kick, columns, f.account);
     kernels_.moments(columns);
-    kernels_.accelerate(coefficients_, columns);
+    kernels_.accelerate(coefficients_, kick, columns);
 }
 
 void RigidModel::accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept {

@@ -9,6 +9,10 @@ namespace cvtflow::model {
 /// b √δ_0 up to which the start of Newton's method for tips is within 1e-4 (rigid_tip.hpp).
 inline constexpr double well_started_softness = 2.0;
 
+/// β of the filter of the waves along the chain (rigid_links.hpp). Forces of stretch and yaw are at most those of h ω = 1/√(4 β) = 1.9;
+/// 0.065 leaves dampers no room below 2, and 0.08 takes some of the longest step.
+inline constexpr double wave_filter = 0.07;
+
 struct RigidCoefficients {
     explicit RigidCoefficients(const Parameters& parameters);
 

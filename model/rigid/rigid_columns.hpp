@@ -87,6 +87,16 @@ struct LinkForceRows {
     [[nodiscard]] RowRange rows() const noexcept { return {pull.x, bow.y}; }
 };
 
+/// Forces by which the filter of the waves knows how the links' deflections accelerate (rigid_links.hpp).
+struct WaveRows {
+    PlaneRow force;      ///< force on a pin's middle by links, and by tips as they last [N]
+    PlaneRow end_force;  ///< the same on p and q [N]
+    PlaneRow tips;       ///< low pass of the tips' force on the middle [N]
+    PlaneRow end_tips;   ///< low pass of their force on p and q [N]
+    [[nodiscard]] RowRange forces() const noexcept { return {force.x, end_force.y}; }
+    [[nodiscard]] RowRange lasting() const noexcept { return {tips.x, end_tips.y}; }
+};
+
 /// Damping forces, kept for the loss of the next step.
 struct DampingRows {
     Row stretch;         ///< force against the rate ε' of a link's plates [N]
@@ -178,6 +188,7 @@ struct RigidRows {
     PitchLineRows line;
     RollingRows rolling;
     LinkForceRows link;
+    WaveRows wave;
     DampingRows damping;
     JointRows joint;
     CoordinateRows force;  ///< forces on a pin by links and its bending, without friction along it
@@ -232,9 +243,10 @@ public:
     [[nodiscard]] std::size_t bytes() const noexcept { return memory_.size() * sizeof(double); }
 
     /// Rows that the pins keep from step to step.
-    [[nodiscard]] std::array<RowRange, 13> kept() const noexcept {
+    [[nodiscard]] std::array<RowRange, 14> kept() const noexcept {
         return {RowRange{position.middle.x, velocity.bend.y},
                 damping.rows(),
+                wave.lasting(),
                 line.turn,
                 joint.rolling_moment,
                 acceleration.rows(),

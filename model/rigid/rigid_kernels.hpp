@@ -49,6 +49,8 @@ struct RigidKernels {
     void (*joint_forces)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Sum of the links' forces on each pin, per coordinate.
     void (*sum_link_forces)(RigidColumns& columns) noexcept;
+    /// Filters the waves of stretch and yaw, in a step.
+    void (*filter_waves)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept;
     /// Adds the forces of guides to those on the pins.
     void (*guide)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Rates at which pins lengthen along their axes, of velocities as they are. @param sheaves [4]
@@ -66,7 +68,7 @@ struct RigidKernels {
     /// Moments of the tips on the pitch lines.
     void (*moments)(RigidColumns& columns) noexcept;
     /// Accelerations by the sum of all forces.
-    void (*accelerate)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
+    void (*accelerate)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept;
     /// Moves coordinates by velocities over a time [s].
     void (*drift)(double step, RigidColumns& columns) noexcept;
     /// Changes velocities by accelerations over a time [s]. @return ½ v·M v' of the pins' velocities before and after, which a leapfrog

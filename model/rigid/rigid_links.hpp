@@ -221,8 +221,40 @@ inline void sum_link_forces(RigidColumns& columns) noexcept {
         const Plane twist = read(columns.link.twist, i - 1) - read(columns.link.twist, i);
         const Plane shear = read(columns.link.shear, i - 1) + read(columns.link.shear, i);
         write(columns.force.end, i, twist + shear);
+        write(columns.wave.force, i, behind - ahead + read(columns.wave.tips, i));
+        write(columns.wave.end_force, i, twist + shear + read(columns.wave.end_tips, i));
         const Plane bow = read(columns.link.bow, i) - read(columns.link.bow, i - 1);
         write(columns.force.bend, i, read(columns.force.bend, i) + bow);
+    }
+}
+
+/// Forces of the filter on the pin at the front of a link: on its middle, and on p and q.
+struct WaveThrust {
+    Plane pull, twist;
+};
+
+/// Filter of the fastest waves along the chain, which would set the length of the step. The forces of stretch and yaw are those of
+/// u + β h² u'', so that a leapfrog is stable up to h ω = 1/√β instead of 2. u'' is that by the forces of links alone and of tips as they
+/// last: friction of the last step's tips would pull back with a delay. At rest u'' is zero, and statics stay.
+inline void filter_waves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {
+    wrap(columns, columns.wave.forces());
+    const double share = wave_filter * kick.step * kick.step;
+    const PinLanes pull(share * c.pull.stiffness), per_mass(1.0 / c.mass), yaw(share / c.tilt_mass);
+    const auto thrust = [&](int i) -> WaveThrust {
+        const Plane t = read(columns.line.direction, i);
+        const auto along = [&](const PlaneRow& of) { return dot(t, read(of, i + 1) - read(of, i)); };
+        const PinLanes turn = read(columns.line.turn, i);
+        const PinLanes stretching = per_mass * along(columns.wave.force) + turn * turn / read(columns.line.inverse, i);
+        return {(pull * stretching) * t, (yaw * read(columns.constants.yaw_stiffness, i) * along(columns.wave.end_force)) * t};
+    };
+    WaveThrust last = thrust(-1);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const WaveThrust ahead = thrust(i);
+        const Plane pull_behind = i == 0 ? last.pull : shifted_by_one_pin(last.pull, ahead.pull);
+        const Plane twist_behind = i == 0 ? last.twist : shifted_by_one_pin(last.twist, ahead.twist);
+        last = ahead;
+        write(columns.force.middle, i, read(columns.force.middle, i) + (ahead.pull - pull_behind));
+        write(columns.force.end, i, read(columns.force.end, i) + (ahead.twist - twist_behind));
     }
 }
 

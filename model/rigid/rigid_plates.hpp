@@ -45,6 +45,15 @@ constexpr double expected_share = 0.75;
     return expected;
 }
 
+/// Friction of the halves of a pin per free sliding speed, and the degree to which they stick together. @param slip [m/s]
+[[gnu::always_inline]] inline void write_joint_secant(const RigidCoefficients& c, const RigidColumns& columns, int i,
+                                                      const PinLanes& per_slide, const PinLanes& slip) noexcept {
+    const PinLanes secant = c.joint_friction.coefficient * read(columns.joint.normal, i) * slip_factor<rigid_lanes>(c.joint_friction, slip);
+    const PinLanes held = secant / (1.0 + per_slide * secant);
+    write(columns.joint.secant, i, held);
+    write(columns.joint.coupling, i, per_slide * held);
+}
+
 /// Velocities of the pins and of their halves on each other along z, and the friction per speed of the halves, before plates rub. Forces of
 /// the tips are those of the last step and their expected change: by the tips' stiffness, and by their damping as velocities changed in the
 /// last step.
@@ -66,14 +75,10 @@ inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, RigidC
         const PinLanes on_pin = read(columns.force.z, i) + read(columns.tip.force.z, i) + 2.0 * (front + rear);
         const PinLanes drive = apart + per_slide * (read(columns.force.slide, i) + on_slide);
         const PinLanes speed = kick.implicit() ? expected_slip(columns.joint.slip, columns.joint.slip_before, i) : abs(drive);
-        const PinLanes secant =
-            c.joint_friction.coefficient * read(columns.joint.normal, i) * slip_factor<rigid_lanes>(c.joint_friction, speed);
-        const PinLanes held = secant / (1.0 + per_slide * secant);
         write(columns.joint.axial_free_speed, i, along + per_mass * on_pin);
         write(columns.joint.tip_force_slide_expected, i, on_slide);
         write(columns.joint.free_slip, i, drive);
-        write(columns.joint.secant, i, held);
-        write(columns.joint.coupling, i, per_slide * held);
+        write_joint_secant(c, columns, i, per_slide, speed);
     }
     wrap(columns, {columns.joint.free_slip, columns.joint.tip_force_slide_expected});
 }
@@ -114,15 +119,23 @@ inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
            4.0 * friction;
 }
 
+/// Sliding speed of the plates of link i before they rub [m/s].
+[[nodiscard, gnu::always_inline]] inline PinLanes free_slip_of_plates(const RigidColumns& columns, int i) noexcept {
+    const auto parted = [&](int pin) { return 0.5 * (1.0 - read(columns.joint.coupling, pin)) * read(columns.joint.free_slip, pin); };
+    return read(columns.joint.axial_free_speed, i + 1) - read(columns.joint.axial_free_speed, i) + parted(i + 1) + parted(i);
+}
+
+/// Most friction of half of a link's plates [N].
+[[nodiscard, gnu::always_inline]] inline PinLanes plate_capacity(const RigidCoefficients& c, const RigidColumns& columns, int i) noexcept {
+    return (0.5 * c.plate_friction.coefficient) * positive_part<rigid_lanes>(read(columns.plate.tension, i));
+}
+
 /// Sliding speeds of the plates before they rub, their friction per sliding speed, and the friction at those speeds.
 inline void grip_plates(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns) noexcept {
     const PinLanes per_mass(kick.step / c.mass);
-    const auto parted = [&](int i) { return 0.5 * (1.0 - read(columns.joint.coupling, i)) * read(columns.joint.free_slip, i); };
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes capacity = (0.5 * c.plate_friction.coefficient) * positive_part<rigid_lanes>(read(columns.plate.tension, i));
-        const PinLanes parting = plate_parting(c, columns, i);
-        const PinLanes drive =
-            read(columns.joint.axial_free_speed, i + 1) - read(columns.joint.axial_free_speed, i) + parted(i + 1) + parted(i);
+        const PinLanes capacity = plate_capacity(c, columns, i), parting = plate_parting(c, columns, i);
+        const PinLanes drive = free_slip_of_plates(columns, i);
         const auto grip_at = [&](const PinLanes& now, Row slip, Row before) {
             return capacity * slip_factor<rigid_lanes>(c.plate_friction, kick.implicit() ? expected_slip(slip, before, i) : abs(now));
         };
@@ -140,6 +153,37 @@ inline void grip_plates(const RigidCoefficients& c, const RigidKick& kick, const
     }
 }
 
+/// Renews the friction per speed of plates and joints at the sliding speeds that the solution leaves, and the friction of each link beside
+/// that of its neighbours. Friction at expected speeds lags behind where a contact begins or ceases to slide.
+inline void renew_friction(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns) noexcept {
+    const PinLanes per_mass(kick.step / c.mass), per_slide(kick.step / c.slide_mass);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        write(columns.plate.slip_low, i, read(columns.plate.free_slip, i) + per_mass * slowing(columns, i));
+        const PinLanes plates = 0.5 * (read(columns.plate.friction, i - 1) + read(columns.plate.friction, i));
+        const PinLanes slip = abs(read(columns.joint.free_slip, i) - per_slide * plates) * (1.0 - read(columns.joint.coupling, i));
+        write_joint_secant(c, columns, i, per_slide, slip);
+    }
+    wrap(columns, columns.joint.coupling);
+    PinLanes before(0.0);  // of the eight links before
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const PinLanes slide = read(columns.plate.slip_low, i), parting = plate_parting(c, columns, i);
+        const PinLanes capacity = plate_capacity(c, columns, i);
+        const PinLanes low = capacity * slip_factor<rigid_lanes>(c.plate_friction, abs(slide - parting)),
+                       high = capacity * slip_factor<rigid_lanes>(c.plate_friction, abs(slide + parting));
+        const PinLanes drive = free_slip_of_plates(columns, i), coupling = per_mass * (low + high);
+        const PinLanes back = coupling * read(columns.joint.coupling, i), on = coupling * read(columns.joint.coupling, i + 1);
+        const PinLanes friction = read(columns.plate.friction, i),
+                       behind = i == 0 ? read(columns.plate.friction, -1) : lanes_across<rigid_lanes - 1>(before, friction);
+        before = friction;
+        const PinLanes rhs = low * (drive - parting) + high * (drive + parting);
+        write(columns.plate.secant_high, i, high);
+        write(columns.plate.free_slip, i, drive);
+        write(columns.plate.friction, i,
+              (rhs + back * behind + on * read(columns.plate.friction, i + 1)) / (1.0 + 4.0 * coupling - back - on));
+    }
+    wrap(columns, columns.plate.friction);
+}
+
 /// Friction of the plates of neighbouring links along the pin that they share, and of its halves on each other. The sliding speeds at the
 /// end of the step are kept for the next one. The loss by the pins' lengthening is counted with the tips that do its work.
 inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
@@ -148,7 +192,10 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
     wrap(columns, columns.tip.lengthening);
     free_slips(c, kick, columns);
     grip_plates(c, kick, columns);
-    if (kick.implicit()) solve_friction(columns);
+    if (kick.implicit()) {
+        solve_friction(columns);
+        renew_friction(c, kick, columns);
+    }
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes friction = read(columns.plate.friction, i), parting = plate_parting(c, columns, i);
         const PinLanes speed = axial_parting(columns.velocity, i);
@@ -170,8 +217,16 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
     return (change * read(columns.line.inverse, i)) * turned(read(columns.line.direction, i));
 }
 
-inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& columns) noexcept {
+/// Share of a step in the low pass by which forces of tips last: their friction is that of the step before and would pull the waves back
+/// with a delay; with less, what pins that enter and leave sheaves do to the filter is felt in the energy balance.
+constexpr double lasting_share = 0.1;
+
+inline void accelerate_pins(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {
     const PinLanes per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass), per_slide(1.0 / c.slide_mass), per_bend(1.0 / c.bend_mass);
+    const PinLanes share(lasting_share);
+    const auto follow = [&](const PlaneRow& tips, const Plane& now, int i) {
+        write(tips, i, kick.implicit() ? read(tips, i) + share * (now - read(tips, i)) : now);
+    };
     Plane last{0.0, 0.0};  // of the eight links before
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane ahead = moment_thrust(columns, i), behind = i == 0 ? moment_thrust(columns, -1) : shifted_by_one_pin(last, ahead);
@@ -179,6 +234,8 @@ inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& columns) n
         const Plane force = read(columns.force.middle, i) + read(columns.tip.force.middle, i) + behind - ahead;
         const PinLanes front = read(columns.plate.friction, i - 1), rear = read(columns.plate.friction, i), rubbing = rear - front;
         const PinLanes parting = -(0.5 * (front + rear) + read(columns.joint.friction, i));
+        follow(columns.wave.tips, read(columns.tip.force.middle, i), i);
+        follow(columns.wave.end_tips, read(columns.tip.force.end, i), i);
         write(columns.acceleration.middle, i, per_mass * force);
         write(columns.acceleration.z, i, per_mass * (read(columns.force.z, i) + read(columns.tip.force.z, i) + rubbing));
         write(columns.acceleration.end, i, per_tilt * (read(columns.force.end, i) + read(columns.tip.force.end, i)));

@@ -103,7 +103,7 @@ struct TipNumbers {
           per_half_mass(2.0 * kick.step / c.mass),
           per_tilt(kick.step / c.tilt_mass),
           per_bend(kick.step / c.bend_mass),
-          response(1.1 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
+          response(1.2 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
           further_steps(c.further_steps + (kick.implicit() ? 0 : 2)) {
         for (std::size_t k = 0; k < sheaves.size(); ++k) {
             const SheaveMotion &at = of[k], &low = of[k / 2 * 2];

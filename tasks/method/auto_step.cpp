@@ -38,11 +38,18 @@ constexpr double accurate_growth = 0.15;
 
 /// Least number of steps in which a pin takes the place of the next one. A pin strikes its sheave, and rolls in its joint, within a few
 /// hundredths of that time. Without this limit, 23 of 400 machines of the lottery with rigid pins were off by more than 1 % in losses, by
-/// 3.7 % at most; with 100 steps per pin 13, by 1.6 % at most. With the method since decision 110, 85 steps are more exact than those were.
-/// At 2000 rpm a pin takes 120 to 170 steps of 5 us. With halves machine 25 (5900 rpm, ratio 0.417) lost 1.6 % too little in 100 steps per
+/// 3.7 % at most; with 100 steps per pin 13, by 1.6 % at most. With the method since decision 110, 80 steps are as exact as those were. At
+/// 2000 rpm a pin takes 85 to 120 steps of 7.14 us. With halves machine 25 (5900 rpm, ratio 0.417) lost 1.6 % too little in 100 steps per
 /// pin, 0.5 % in 140, 0.1 % in 200, and a slip of 2e-4 (machine 0, 5276 rpm) was off by 1.5 % in 150, as held links allow; at 2000 rpm a
 /// pin takes 189 steps of 2.86 us and more.
-constexpr double steps_per_rigid_pin = 85.0, steps_per_pin_of_halves = 185.0;
+constexpr double steps_per_rigid_pin = 80.0, steps_per_pin_of_halves = 185.0;
+
+[[nodiscard]] double within(double reach, double extent) noexcept { return extent > 0.0 ? reach / extent : forever; }
+
+/// Largest damping δ over the frequency of filtered waves with which they are stable to the limit without damping. Dampers in proportion to
+/// stiffness make x (1 - β x) at x = h²ω² larger by 1 + 2 δ/(h ω²); its largest value, 1/(4 β) at h ω = 1/√(2 β), is 3.57 of 4 with β =
+/// 0.07, which leaves 0.12, and 0.12/2 · 2.67 = 0.16 of the frequency.
+constexpr double filtered_damping = 0.16;
 
 /// Longest stable step of an oscillation ω with an explicit damping δ. A leapfrog that takes the damping at velocities extrapolated to the
 /// middle of the step is stable up to (h ω/2)² + h δ = 1. Where friction beside it takes some of the stability away, shares add up instead:
@@ -60,8 +67,9 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
       longest_(longest_automatic_step(method, parameters)),
       interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_check_interval : check_interval),
       reuses_eigenvectors_(parameters.detail.pins == model::PinDetail::rigid),
+      filter_(method.program() != nullptr ? method.program()->wave_filter : 0.0),
       memory_(std::make_shared<SpectralMemory>(variator.layout())),
-      bound_(variator, MovedPart::all, memory_, held_links(method, variator.chain())),
+      bound_(variator, filter_ > 0.0 ? MovedPart::all_but_waves : MovedPart::all, memory_, held_links(method, variator.chain())),
       variator_(variator),
       chain_(parameters.chain) {
     if (variator.chain().coefficients().tip.law != nullptr)
@@ -73,16 +81,21 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
     for (model::Friction* friction : {&without_friction.plate.friction, &without_friction.joint.friction, &without_friction.tip.friction})
         friction->coefficient = 0.0;
     frictionless_ = std::make_unique<model::Variator>(without_friction);
-    for (const MovedPart part : {MovedPart::links, MovedPart::pulleys})
-        damped_parts_.emplace_back(*frictionless_, part, memory_, held_links(method, variator.chain()));
+    std::vector<MovedPart> parts{MovedPart::links, MovedPart::pulleys};
+    if (filter_ > 0.0) parts = {MovedPart::other_links, MovedPart::pulleys, MovedPart::waves};
+    for (const MovedPart part : parts) damped_parts_.emplace_back(*frictionless_, part, memory_, held_links(method, variator.chain()));
 }
 
 /// Treats the strongest damping as if it acted on the fastest oscillation, which need not be so. Links and pulleys are estimated
-/// separately: their fastest motions are far apart.
+/// separately: their fastest motions are far apart. So are waves that are filtered, which have another limit.
 double AutoStep::damped_step() const noexcept {
     double step = forever;
-    for (const SpectralBound& part : damped_parts_)
-        step = std::min(step, damped_limit(part.imaginary() / reach_.frictionless, part.real() / reach_.damping, friction_matters_));
+    for (const SpectralBound& part : damped_parts_) {
+        const bool filtered = filter_ > 0.0 && &part == &damped_parts_.back() && part.real() < filtered_damping * part.imaginary();
+        step = std::min(step, filtered
+                                  ? within(1.0 / std::sqrt(filter_), part.imaginary())
+                                  : damped_limit(part.imaginary() / reach_.frictionless, part.real() / reach_.damping, friction_matters_));
+    }
     return step;
 }
 
@@ -96,12 +109,6 @@ void AutoStep::restart() noexcept {
     damped_ = forever;
     evaluations_ = 0;
 }
-
-namespace {
-
-[[nodiscard]] double within(double reach, double extent) noexcept { return extent > 0.0 ? reach / extent : forever; }
-
-}  // namespace
 
 double AutoStep::longest(double time, const double* state, const model::Phase* phases) noexcept {
     if (begun_ == -1e300) begun_ = time;
@@ -145,10 +152,11 @@ void AutoStep::estimate(double time, const double* state, const model::Phase* ph
 
 LargestStep AutoStep::largest() const noexcept {
     const double share = friction_matters_ ? margin : sharp_margin;
+    const double fastest = filter_ > 0.0 ? damped_parts_.back().imaginary() : bound_.imaginary();
     const LargestStep limits[] = {
         {share * within(reach_.oscillation, bound_.imaginary()), StepLimiter::oscillation, bound_.imaginary()},
         {share * within(reach_.decay, bound_.real()), StepLimiter::decay, bound_.real()},
-        {share * damped_, StepLimiter::damping, bound_.imaginary()},
+        {share * damped_, StepLimiter::damping, fastest},
         {within(reach_.accurate, bound_.imaginary()), StepLimiter::accuracy, bound_.imaginary()},
         {within(accurate_growth, growth_), StepLimiter::growth, growth_},
     };

@@ -54,6 +54,7 @@ struct MethodProgram {
     std::string solves = "none";               ///< systems solved in a step
     MethodReach reach = {};                    ///< derived by bench/method/stability; a test compares
     double longest_step = usual_longest_step;  ///< longest automatic step with pin halves [s]
+    double wave_filter = 0.0;                  ///< β > 0: waves along rigid pins are filtered, and stable up to h ω = 1/√β [1]
     bool holds_links = false;                  ///< links are held (model::HeldLinks), so that steps can be longer
     bool estimates_error = false;              ///< StepMethod::error_estimate() has a power
     int revision = 1;  ///< raised whenever a step computes otherwise, so that no checkpoint of the former method is continued

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "model/basis/portable_math.hpp"
+#include "model/rigid/rigid_chain.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -15,6 +16,14 @@ namespace {
 constexpr int cold_iterations = 150, warm_iterations = 15;
 constexpr double converged = 3e-4;  ///< relative change of the estimate
 constexpr int least_budget = 2;     ///< evaluations of an iteration: of the state, and of the moved one
+
+/// Whether place k in the block of a rigid pin is x, y, p or q.
+[[nodiscard]] bool moves_in_waves(const model::ChainLayout& at, int k) noexcept {
+    for (const int wave : {0, 1, 3, 4}) {
+        if (k == model::rigid_place(at, wave)) return true;
+    }
+    return false;
+}
 
 /// A direction with something of every mode; the same everywhere.
 double seed(int index) { return model::portable_sin(1.0 + 2.399963 * index) + 0.3 * ((index % 2 == 0) ? 1.0 : -1.0); }
@@ -44,11 +53,14 @@ double SpectralBound::imaginary() const noexcept { return std::sqrt(coordinate_.
 template <class Action>
 void SpectralBound::for_each_unknown(Action action) const noexcept {
     const model::ChainLayout& at = variator_.layout();
+    const bool pulleys = part_ == MovedPart::all || part_ == MovedPart::pulleys || part_ == MovedPart::all_but_waves;
+    const bool whole_links = part_ == MovedPart::all || part_ == MovedPart::links, waves = part_ == MovedPart::waves;
     for (int link = 0; link < at.links && part_ != MovedPart::pulleys; ++link) {
-        for (int k = 0; k < at.link_size(); ++k) action(at.link_begin(link) + k, at.link_begin(link) + at.link_size() + k);
+        for (int k = 0; k < at.link_size(); ++k) {
+            if (whole_links || moves_in_waves(at, k) == waves) action(at.link_begin(link) + k, at.link_begin(link) + at.link_size() + k);
+        }
     }
-    for (int k = 0; k < at.pulley_size && part_ != MovedPart::links; ++k)
-        action(at.pulley_begin() + k, at.pulley_begin() + at.pulley_size + k);
+    for (int k = 0; k < at.pulley_size && pulleys; ++k) action(at.pulley_begin() + k, at.pulley_begin() + at.pulley_size + k);
 }
 
 /// Takes the stiffness of held links, four times, away from the accelerations of moved coordinates.

@@ -14,7 +14,14 @@
 namespace cvtflow::tasks {
 
 /// Unknowns that are moved; the others stay.
-enum class MovedPart { all, links, pulleys };
+enum class MovedPart {
+    all,
+    links,
+    pulleys,
+    waves,          ///< x, y, p and q of rigid pins, in which stretch and yaw run along the chain
+    other_links,    ///< z, slide and bending of rigid pins
+    all_but_waves,  ///< other_links and pulleys
+};
 
 /// Memory of an estimate, which bounds of machines with the same layout share as long as they take turns.
 struct SpectralMemory {

@@ -78,7 +78,7 @@ Violation unbalance_is_small(const Scene& scene) {
 Violation oil_is_slow(const Scene& scene) {
     const auto& of = scene.parameters.hydraulics;
     if (!has_cylinders(scene)) return {};
-    constexpr double fastest = 1e5;  // [rad/s]: half a radian in a step of 5 us, the longest automatic one
+    constexpr double fastest = 1e5;  // [rad/s]: half a radian in 5 us; the longest automatic step is 7.5 us
     const double area = std::max(of.driving.area, of.driven.area), capacity = of.oil_volume / of.oil_modulus;
     const double frequency = area / std::sqrt(capacity * scene.parameters.pulley.sheave_mass), rate = of.valve_conductance / capacity;
     if (frequency > fastest)

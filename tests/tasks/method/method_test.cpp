@@ -117,7 +117,7 @@ constexpr Recorded recorded[] = {
     {"leapfrog-rkc", 1, "81c8025503995cd8", "none"},
     {"leapfrog-chebyshev", 1, "1eb8ed90f0095b9d", "none"},
     {"leapfrog-sweep", 4, "c4a8e2b2a18113b0", "none"},
-    {"leapfrog-rigid", 2, "none", "100dff47bf959ee3"},
+    {"leapfrog-rigid", 3, "none", "7bdbf2a2ee4ab168"},
     {"trapezoidal-analytic", 2, "75858bb6f14f2039", "none"},
     {"trapezoidal-full", 2, "891228d1b526264f", "none"},
     {"trapezoidal-once", 2, "923ab37b53bdafd0", "none"},

@@ -121,7 +121,7 @@ TEST(FrictionMemory, OfARightHandSideIsTheLawAtOnce) {
 }
 
 /// Losses over 20 ms of `baseline` where friction falls to 0.09 at 100 mm/s and the chain carries almost what 0.09 holds. Two runs that
-/// differ in their step alone: the automatic one, 5 us (0.16 us without memory), and a quarter of it. Measured: 0.1 %; without memory 2.7
+/// differ in their step alone: the automatic one, 6.7 us (0.16 us without memory), and a quarter of it. Measured: 0.1 %; without memory 2.7
 /// %.
 TEST(FrictionMemory, MakesMeansThatDoNotDependOnTheStep) {
     double lost[2], steps[2];
