@@ -43,7 +43,7 @@ const Observation& Observer::observe(double t, const double* state, const Phase*
     if (const RigidChain* chain = variator_.chain().rigid()) {
         rigid_.emplace(chain->evaluate(state, scratch_.sheaves));
         total = rigid_->forces.account;
-        total.store(Energy::kinetic, rigid_->kinetic());
+        total.store(Energy::kinetic, rigid_->forces.kinetic);
         observe_rigid(*rigid_);
     } else {
         observe_halves(state, phases, evaluated != nullptr ? *evaluated : evaluate_halves(state, phases));

@@ -1,5 +1,6 @@
 #pragma once
-/// Selection of the pins whose tips are computed: those that may touch, eight side by side from any pin on. (model/EQUATIONS.md section 11)
+/// Selection of the pins whose tips are computed: those that may touch within some steps, eight side by side from any pin on.
+/// (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,11 @@
 
 namespace cvtflow::model {
 namespace {
+
+/// Steps for which near pins are found at once: what they cost each time is more than the pins that a longer time adds.
+constexpr double steps_ahead = 4.0;
+/// Upper bound of a free tip's speed towards its sheave, less that of the middle of its pin [m/s].
+constexpr double unseen_speed = 1.0;
 
 /// Bounds of a pulley that decide which pins may touch.
 struct PulleyBounds {
@@ -35,8 +41,10 @@ class PinNearness {
 public:
     PinNearness(const RigidColumns& columns, const PinBlocks<W>::Blocks& blocks) noexcept : pins_(columns, blocks) {}
 
-    /// Upper bound of the depth of each pin's tips [m]: the sphere nearest to the axis against the flank nearest to the pin.
-    [[nodiscard, gnu::always_inline]] DoublesOf<W> bound(const RigidCoefficients& c, const PulleyBounds (&pulleys)[2]) const noexcept {
+    /// Upper bound of the depth of each pin's tips until a time [s] later [m]: the sphere nearest to the axis against the flank nearest to
+    /// the pin.
+    [[nodiscard, gnu::always_inline]] DoublesOf<W> bound(const RigidCoefficients& c, const PulleyBounds (&pulleys)[2],
+                                                         double later) const noexcept {
         const RigidRows& columns = pins_.columns();
         const double rounding = 1e-6 * (c.middle + c.touching_radius);  // more than that of floats at these distances [m]
         const PlaneV middle = read_rounded(columns.position.middle), end = read_rounded(columns.position.end),
@@ -55,7 +63,10 @@ public:
         const V beside = V(c.lever) * size(end) + of(&PulleyBounds::apart), off = larger<W>(abs(low), abs(high)) + V(c.radius * c.cosine);
         const V a = radius - beside - tilt * (off + rise) - V(c.touching_radius);
         const V h = smaller<W>(low, high) - rise - tilt * (radius + beside);
-        return widened<W>(V(rounding) - (V(c.sine) * a + V(c.cosine) * h));
+        const V inwards = positive_part<W>(-dot(arm, read_rounded(columns.velocity.middle)) / radius),
+                aside = abs(convert<W>(pins_.read(columns.velocity.z)));
+        const V closer = V(later) * (V(c.sine) * inwards + V(c.cosine) * aside + V(unseen_speed));
+        return widened<W>(V(rounding) + closer - (V(c.sine) * a + V(c.cosine) * h));
     }
 
 private:
@@ -70,26 +81,28 @@ private:
     PinBlocks<W> pins_;
 };
 
-/// Sets `near` > 0 for pins that may touch: in a step those that pressed in the last one, and those that are not certainly free.
-inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
+/// Sets `near` > 0 for pins that may touch until a time [s] later: those that pressed in the last step, and those that are not certainly
+/// free; at an instant (0) the latter alone.
+inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, double later, RigidColumns& columns) noexcept {
     const PulleyBounds pulleys[] = {{c, sheaves[0], sheaves[1]}, {c, sheaves[2], sheaves[3]}};
     const PinLanes one(1.0), none(0.0);
     const auto pressed = [&](int i) {
         PinLanes most = none;
         for (const Row normal : columns.tip.normal) most = larger<rigid_lanes>(most, read(normal, i));
-        return kick.implicit() ? select_greater<rigid_lanes>(most, none, one, none) : none;
+        return later > 0.0 ? select_greater<rigid_lanes>(most, none, one, none) : none;
     };
     for (int i = 0; i < columns.padded(); i += 2 * rigid_lanes) {
         const int next = std::min(i + rigid_lanes, columns.padded() - rigid_lanes);
         PinLanes near[2] = {pressed(i), pressed(next)};
         if (!all_at_most<rigid_lanes>(one - smaller<rigid_lanes>(near[0], near[1]), 0.0)) {
             const DoublesOf<rigid_singles> bound =
-                PinNearness(columns, {PinBlock{i, rigid_lanes}, PinBlock{next, rigid_lanes}}).bound(c, pulleys);
+                PinNearness(columns, {PinBlock{i, rigid_lanes}, PinBlock{next, rigid_lanes}}).bound(c, pulleys, later);
             near[0] = larger<rigid_lanes>(near[0], bound.low), near[1] = larger<rigid_lanes>(near[1], bound.high);
         }
         write(columns.tip.near, i, near[0]);
         write(columns.tip.near, next, near[1]);
     }
+    wrap(columns, columns.tip.near);
 }
 
 /// Whether none of eight pins is near.
@@ -111,13 +124,28 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
     return -1;
 }
 
-/// Whether a pin belongs to one of the blocks. @param blocks their first pins, and their number in front of them
-[[nodiscard]] inline bool in_blocks(const double* blocks, int pins, int pin) noexcept {
-    for (int k = 0; k < static_cast<int>(blocks[-1]); ++k) {
-        const int first = static_cast<int>(blocks[k]), behind = pin >= first ? pin - first : pin - first + pins;
-        if (behind < rigid_lanes) return true;
+/// Sets the blocks that have all near pins.
+inline void choose_blocks(RigidColumns& columns) noexcept {
+    const double* near = columns.tip.near;
+    const int pins = columns.pins(), begin = first_near_pin(near, pins);
+    double* next = columns.tip.blocks + 1;
+    for (int k = 0; k < pins;) {
+        const int at = std::max(begin, 0) + k, pin = at < pins ? at : at - pins;
+        const bool skip = begin >= 0 && !(near[pin] > 0.0);
+        k += skip && !none_near(near, pin) ? 1 : rigid_lanes;
+        if (!skip) *next++ = pin + 1;
     }
-    return false;
+    *next = 0.0;
+}
+
+/// Calls visit(block) for all blocks.
+template <class Visit>
+inline void over_blocks(const RigidColumns& columns, const Visit& visit) noexcept {
+    const double* const first = columns.tip.blocks + 1;
+    for (const double* at = first; *at > 0.0; ++at) {
+        const int pin = static_cast<int>(*at) - 1, next = static_cast<int>(at[1] > 0.0 ? at[1] : *first) - 1;
+        visit(PinBlock{pin, std::min(rigid_lanes, next > pin ? next - pin : next - pin + columns.pins())});
+    }
 }
 
 /// Copies behind the last pin become the numbers of the first pins. @param count [≤ lanes, ≤ pins]
@@ -127,59 +155,54 @@ inline void unwrap(const RigidColumns& columns, const RowRange& rows, int count)
         write(row, 0, select_greater<rigid_lanes>(copied, PinLanes(0.0), read(row, columns.pins()), read(row, 0)));
 }
 
-/// Clears the tips' numbers of pins that are no longer near; moves those of a block that reached beyond the last pin to the first pins.
-inline void finish_near_pins(RigidColumns& columns, int beyond) noexcept {
-    const auto rows = columns.tip.written_rows();
-    for (const RowRange& part : rows) unwrap(columns, part, beyond);
-    double *blocks = columns.tip.blocks, *before = columns.tip.blocks_before;
-    const int count = static_cast<int>(blocks[-1]);
-    if (std::equal(blocks - 1, blocks + count, before - 1)) return;
-    for (int pin = 0; pin < columns.pins(); ++pin) {
-        if (in_blocks(blocks, columns.pins(), pin) || (before[-1] >= 0.0 && !in_blocks(before, columns.pins(), pin))) continue;
-        for (const RowRange& part : rows) columns.clear(part, pin, 1);
+/// Finds near pins for the next steps, once those found last were for times that are over. Clears the tips' numbers of pins that are no
+/// longer near.
+inline void renew_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick,
+                            RigidColumns& columns) noexcept {
+    double& left = columns.tip.blocks[0];
+    if (left < 0.99 * kick.step) {
+        left = steps_ahead * kick.step;
+        find_near_pins(c, sheaves, left, columns);
+        over_blocks(columns, [&](const PinBlock& block) {
+            for (int k = 0; k < block.count; ++k) {
+                const int pin = (block.first + k) % columns.pins();
+                if (columns.tip.near[pin] > 0.0) continue;
+                for (const RowRange& part : columns.tip.written_rows()) columns.clear(part, pin, 1);
+            }
+        });
+        choose_blocks(columns);
     }
-    std::copy(blocks - 1, blocks + count, before - 1);
+    left -= kick.step;
 }
 
-/// Sets the tips' numbers to those of pins far from any sheave, for velocities as they are.
-inline void clear_tips(RigidColumns& columns) noexcept {
-    const int all = columns.padded() + rigid_lanes;
-    for (const Row depth : columns.tip.depth) std::fill_n(depth, all, far_depth);
-    for (const RowRange& part : columns.tip.written_rows()) columns.clear(part, 0, all);
+/// Finds near pins of an instant; sets the tips' numbers to those of pins far from any sheave.
+inline void find_near_pins_now(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept {
+    find_near_pins(c, sheaves, 0.0, columns);
+    choose_blocks(columns);
+    columns.tip.blocks[0] = 0.0;
+    for (const Row depth : columns.tip.depth) std::fill_n(depth, columns.padded() + rigid_lanes, far_depth);
+    columns.clear_tips();
 }
+
 /// Moves the numbers of a block that reached beyond the last pin to the first pins.
 inline void unwrap_tips(RigidColumns& columns, int beyond) noexcept {
     unwrap(columns, {columns.tip.depth[0], columns.tip.depth[3]}, beyond);
     for (const RowRange& part : columns.tip.written_rows()) unwrap(columns, part, beyond);
 }
 
-/// Calls press(block) for blocks that have all near pins. A block that reaches beyond the last pin continues with copies of the first ones.
+/// Calls press(block) for all blocks. A block that reaches beyond the last pin continues with copies of the first ones.
 /// @return number of copies
 template <class Press>
-[[nodiscard]] inline int over_near_pins(RigidColumns& columns, const Press& press) noexcept {
-    wrap(columns, columns.tip.near);
-    const double* near = columns.tip.near;
-    const int pins = columns.pins(), begin = first_near_pin(near, pins);
-    double* const blocks = columns.tip.blocks;
-    int count = 0, beyond = 0;
-    for (int k = 0; begin >= 0 && k < pins;) {
-        const int pin = begin + k < pins ? begin + k : begin + k - pins;
-        const bool skip = !(near[pin] > 0.0);
-        k += skip && !none_near(near, pin) ? 1 : rigid_lanes;
-        if (skip) continue;
-        if (pin + rigid_lanes > pins) {
-            beyond = pin + rigid_lanes - pins;
+[[nodiscard]] inline int over_near_pins(const RigidColumns& columns, const Press& press) noexcept {
+    int beyond = 0;
+    over_blocks(columns, [&](const PinBlock& block) {
+        if (block.first + block.count > columns.pins()) {
+            beyond = block.first + block.count - columns.pins();
             wrap(columns, columns.force.rows());
             wrap(columns, columns.tip.forces());
         }
-        blocks[count++] = pin;
-        press(PinBlock{pin, rigid_lanes});
-    }
-    for (int i = 0; begin < 0 && i < pins; i += rigid_lanes) {
-        blocks[count++] = i;
-        press(PinBlock{i, std::min(rigid_lanes, pins - i)});
-    }
-    blocks[-1] = count;
+        press(block);
+    });
     return beyond;
 }
 

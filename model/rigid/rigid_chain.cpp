@@ -70,16 +70,6 @@ RigidInstant RigidChain::evaluate(const double* blocks, const SheaveMotion* shea
     return last();
 }
 
-double RigidInstant::kinetic() const noexcept {
-    double sum = 0.0;
-    const auto velocity = columns.velocity.all(), acceleration = columns.acceleration.all();
-    for (std::size_t k = 0; k < rigid_coordinates; ++k) {
-        const double *v = velocity[k], *a = acceleration[k], mass = model.coefficients().inertia(static_cast<int>(k));
-        for (int pin = 0; pin < columns.pins(); ++pin) sum += 0.5 * mass * (v[pin] - lead * a[pin]) * (v[pin] - lead * a[pin]);
-    }
-    return sum;
-}
-
 RigidSums RigidInstant::sums() const noexcept {
     RigidSums sums;
     model.kernels().observe(model.coefficients(), lead, columns, sums);
@@ -156,8 +146,7 @@ void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, 
 
 void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     kernels_.joint_friction(coefficients_, kick, columns, f.account);
-    kernels_.moments(columns);
-    kernels_.accelerate(coefficients_, kick, columns);
+    f.kinetic = kernels_.accelerate(coefficients_, kick, columns);
 }
 
 void RigidModel::accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept {

@@ -12,7 +12,8 @@ namespace cvtflow::model {
 /// Forces of an instant beside those in the columns.
 struct RigidForces {
     RigidReaction reaction;
-    Account account;  ///< potential energies and losses of the chain
+    Account account;       ///< potential energies and losses of the chain
+    double kinetic = 0.0;  ///< ½ v·M v' of the pins' velocities before and after the kick [J]
 };
 
 class RigidModel {
@@ -27,7 +28,8 @@ public:
     /// Columns with the constants of the links; everything else is zero.
     [[nodiscard]] RigidColumns columns() const;
 
-    /// Writes accelerations of the pins, at the columns' coordinates and velocities, into the rows of accelerations.
+    /// Writes accelerations of the pins, at the columns' coordinates and velocities, into the rows of accelerations, and kicks the
+    /// velocities.
     /// @param sheaves [4], nullptr: there are no pulleys
     void accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     /// accelerate() with friction of the present velocities, without memory of a step before.
@@ -68,7 +70,6 @@ struct RigidInstant {
     const RigidForces& forces;
     double lead;  ///< time by which the columns' velocities are ahead of their coordinates [s]
 
-    [[nodiscard]] double kinetic() const noexcept;  ///< energy of the pins [J]
     [[nodiscard]] RigidSums sums() const noexcept;
     /// Entry of rows for tip number 2 end + side of a link: that of the pin whose half is at this end.
     [[nodiscard]] double of_tip(const TipRow& rows, int link, int tip) const noexcept {

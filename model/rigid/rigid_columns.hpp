@@ -148,13 +148,12 @@ struct PlateRows {
 
 /// Tips of a pin together. Depth holds for velocities as they are (RigidKick), too.
 struct TipRows {
-    Row near;                ///< > 0: the pin may touch in this step
-    Row blocks;              ///< first pins of the blocks of eight that are computed; entry -1: their number
-    Row blocks_before;       ///< blocks of the last step; number -1: numbers of any pin were written
-    TipRow depth;            ///< δ_0: depth of each tip, `far_depth` of pins that certainly do not touch [m]
-    Row stiffness[2];        ///< stiffness of the front, the rear half's tips against its motion along z [N/m]
-    Row loading[2];          ///< rate of the force on each half if it stood still along z [N/s]
-    Row damping[2];          ///< damping of each half's tips against its motion along z [N·s/m]
+    Row near;          ///< > 0: the pin may touch until near pins are found again
+    Row blocks;        ///< entry 0: time for which they are valid [s]; then 1 + first pin of each block of eight that is computed, and 0
+    TipRow depth;      ///< δ_0: depth of each tip, `far_depth` of pins that certainly do not touch [m]
+    Row stiffness[2];  ///< stiffness of the front, the rear half's tips against its motion along z [N/m]
+    Row loading[2];    ///< rate of the force on each half if it stood still along z [N/s]
+    Row damping[2];    ///< damping of each half's tips against its motion along z [N·s/m]
     PlaneRow offset_moment;  ///< A g of the tips' forces [N·m]
     Row moment_of_half[2];   ///< moment of the front half's tips on the pitch line behind the pin, of the rear half's ahead [N·m]
     Row moment;              ///< moment of all tips on pitch line i [N·m]
@@ -165,10 +164,10 @@ struct TipRows {
     TipRow damping_force;    ///< damping part of the normal force [N]
     TipRow tangential;       ///< friction on the pin along the circumference [N]
     TipRow radial;           ///< friction on the pin along the flank [N]
+    TipRow grip;             ///< friction per sliding speed, behind the friction of the step [N·s/m]
     // For observation.
     TipRow sheave_outward;    ///< force on the sheave, away from its axis [N]
     TipRow sheave_axial;      ///< force on the sheave along z [N]
-    TipRow grip;              ///< friction per sliding speed, behind the friction of the step [N·s/m]
     TipRow radius;            ///< distance from the axis [m]
     TipRow touching;          ///< 1 where the tip was last found to press, else 0
     TipRow remembered_speed;  ///< w: sliding speed that the friction of a tip follows by a law with memory [m/s]
@@ -234,6 +233,11 @@ public:
         }
     }
 
+    /// Zeros to the numbers of all tips that a step writes.
+    void clear_tips() const noexcept {
+        for (const RowRange& part : tip.written_rows()) clear(part, 0, padded_ + rigid_lanes);
+    }
+
     /// All entries of rows to others.
     void copy(const RowRange& from, Row to) const noexcept {
         std::copy_n(from.first - rigid_lanes, from.last - from.first + stride_, to - rigid_lanes);
@@ -252,6 +256,7 @@ public:
                 acceleration.rows(),
                 RowRange{plate.friction, plate.slip_high_before},
                 RowRange{joint.friction, joint.slip_before},
+                tip.blocks,
                 tip.responses(),
                 tip.moment,
                 tip.force.z,

@@ -12,9 +12,9 @@ namespace cvtflow::model {
 
 template <>
 RigidKernels rigid_kernels<compiled_isa>() noexcept {
-    return {pitch_lines, rolling_frames, link_forces, joint_forces,    sum_link_forces, filter_waves, guide_pins,
-            axial_rates, plate_friction, press_tips,  press_tips_now,  joint_friction,  tip_moments,  accelerate_pins,
-            drift_pins,  kick_pins,      tip_depths,  contact_changes, observe_pins};
+    return {pitch_lines,     rolling_frames, link_forces,    joint_forces, sum_link_forces, filter_waves,
+            guide_pins,      axial_rates,    plate_friction, press_tips,   press_tips_now,  joint_friction,
+            accelerate_pins, drift_pins,     kick_pins,      tip_depths,   contact_changes, observe_pins};
 }
 
 }  // namespace cvtflow::model

@@ -65,10 +65,8 @@ struct RigidKernels {
     Tips tips_now;
     /// Friction of the halves of a pin on each other, after the tips.
     void (*joint_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
-    /// Moments of the tips on the pitch lines.
-    void (*moments)(RigidColumns& columns) noexcept;
-    /// Accelerations by the sum of all forces.
-    void (*accelerate)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept;
+    /// Accelerations by the sum of all forces, then as `kick` over the step.
+    double (*accelerate)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept;
     /// Moves coordinates by velocities over a time [s].
     void (*drift)(double step, RigidColumns& columns) noexcept;
     /// Changes velocities by accelerations over a time [s]. @return ½ v·M v' of the pins' velocities before and after, which a leapfrog
@@ -76,8 +74,8 @@ struct RigidKernels {
     double (*kick)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
     /// Depths of the tips of pins 0 … 7 [m]. @param depth [tips][8]
     void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept;
-    /// Number of pins whose tip number `tip` began or ceased to press; pins that fill the last vector count.
-    double (*contact_changes)(RigidColumns& columns, int tip) noexcept;
+    /// Number of tips that began or ceased to press; those of pins that fill the last vector count.
+    double (*contact_changes)(const RigidColumns& columns) noexcept;
     /// Sums over pins and tips. @param lead time by which velocities are ahead of coordinates [s]
     void (*observe)(const RigidCoefficients& c, double lead, const RigidColumns& columns, RigidSums& sums) noexcept;
 };

@@ -211,37 +211,73 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
     joint_friction_expected(c, kick, columns);
 }
 
-/// Change of the moment on pitch line i by this step's tips, as a force on pin i+1.
-[[nodiscard, gnu::always_inline]] inline Plane moment_thrust(const RigidColumns& columns, int i) noexcept {
-    const PinLanes change = read(columns.tip.moment, i) - read(columns.tip.moment_before, i);
-    return (change * read(columns.line.inverse, i)) * turned(read(columns.line.direction, i));
+/// Moment of this step's tips on pitch line i, n_i·(A_i g_i + A_{i+1} g_{i+1}) and those on the halves that turn with it; and its change,
+/// as a force on pin i+1.
+struct TipMoment {
+    PinLanes moment, before;
+    Plane thrust;
+
+    TipMoment(const RigidColumns& columns, int i) noexcept : before(read(columns.tip.moment, i)) {
+        const Plane normal = turned(read(columns.line.direction, i));
+        const Plane lean = read(columns.tip.offset_moment, i) + read(columns.tip.offset_moment, i + 1);
+        moment = dot(normal, lean) + read(columns.tip.moment_of_half[1], i) + read(columns.tip.moment_of_half[0], i + 1);
+        thrust = ((moment - before) * read(columns.line.inverse, i)) * normal;
+    }
+};
+
+/// Writes a velocity's rate of change, and changes it by that over a step [s]. @return v v', velocities before and after
+[[nodiscard, gnu::always_inline]] inline PinLanes kicked(Row acceleration, Row velocity, int i, const PinLanes& rate,
+                                                         const PinLanes& step) noexcept {
+    const PinLanes before = read(velocity, i), v = before + step * rate;
+    write(acceleration, i, rate);
+    write(velocity, i, v);
+    return before * v;
 }
 
 /// Share of a step in the low pass by which forces of tips last: their friction is that of the step before and would pull the waves back
 /// with a delay; with less, what pins that enter and leave sheaves do to the filter is felt in the energy balance.
 constexpr double lasting_share = 0.1;
 
-inline void accelerate_pins(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {
-    const PinLanes per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass), per_slide(1.0 / c.slide_mass), per_bend(1.0 / c.bend_mass);
-    const PinLanes share(lasting_share);
-    const auto follow = [&](const PlaneRow& tips, const Plane& now, int i) {
+/// Accelerations and, over the step, kick_pins(). @return as kick_pins()
+inline double accelerate_pins(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {
+    wrap(columns, columns.tip.moments());
+    PinSum energy(columns);
+    const PinLanes step(kick.step), per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass), per_slide(1.0 / c.slide_mass),
+        per_bend(1.0 / c.bend_mass);
+    const auto follow = [&, share = PinLanes(lasting_share)](const PlaneRow& tips, const Plane& now, int i) {
         write(tips, i, kick.implicit() ? read(tips, i) + share * (now - read(tips, i)) : now);
     };
     Plane last{0.0, 0.0};  // of the eight links before
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const Plane ahead = moment_thrust(columns, i), behind = i == 0 ? moment_thrust(columns, -1) : shifted_by_one_pin(last, ahead);
-        last = ahead;
-        const Plane force = read(columns.force.middle, i) + read(columns.tip.force.middle, i) + behind - ahead;
+        const TipMoment tips(columns, i);
+        const Plane behind = i == 0 ? TipMoment(columns, -1).thrust : shifted_by_one_pin(last, tips.thrust);
+        last = tips.thrust;
+        const Plane force = read(columns.force.middle, i) + read(columns.tip.force.middle, i) + behind - tips.thrust;
         const PinLanes front = read(columns.plate.friction, i - 1), rear = read(columns.plate.friction, i), rubbing = rear - front;
         const PinLanes parting = -(0.5 * (front + rear) + read(columns.joint.friction, i));
         follow(columns.wave.tips, read(columns.tip.force.middle, i), i);
         follow(columns.wave.end_tips, read(columns.tip.force.end, i), i);
-        write(columns.acceleration.middle, i, per_mass * force);
-        write(columns.acceleration.z, i, per_mass * (read(columns.force.z, i) + read(columns.tip.force.z, i) + rubbing));
-        write(columns.acceleration.end, i, per_tilt * (read(columns.force.end, i) + read(columns.tip.force.end, i)));
-        write(columns.acceleration.bend, i, per_bend * (read(columns.force.bend, i) + read(columns.tip.force.bend, i)));
-        write(columns.acceleration.slide, i, per_slide * (read(columns.force.slide, i) + read(columns.tip.force.slide, i) + parting));
+        const Plane end = read(columns.force.end, i) + read(columns.tip.force.end, i),
+                    bend = read(columns.force.bend, i) + read(columns.tip.force.bend, i);
+        const PinLanes z = read(columns.force.z, i) + read(columns.tip.force.z, i) + rubbing,
+                       slide = read(columns.force.slide, i) + read(columns.tip.force.slide, i) + parting;
+        const auto kicked_both = [&](const PlaneRow& acceleration, const PlaneRow& velocity, const Plane& rate) {
+            return kicked(acceleration.x, velocity.x, i, rate.x, step) + kicked(acceleration.y, velocity.y, i, rate.y, step);
+        };
+        const CoordinateRows &a = columns.acceleration, &v = columns.velocity;
+        energy.add(i, 0.5 * c.mass * (kicked_both(a.middle, v.middle, per_mass * force) + kicked(a.z, v.z, i, per_mass * z, step)) +
+                          0.5 * c.tilt_mass * kicked_both(a.end, v.end, per_tilt * end) +
+                          0.5 * c.slide_mass * kicked(a.slide, v.slide, i, per_slide * slide, step) +
+                          0.5 * c.bend_mass * kicked_both(a.bend, v.bend, per_bend * bend));
+        write(columns.tip.moment, i, tips.moment);
+        write(columns.tip.moment_before, i, tips.before);
+        write(columns.plate.friction_before, i, rear);
+        write(columns.plate.moment_before, i, read(columns.plate.moment, i));
+        write(columns.joint.friction_before, i, read(columns.joint.friction, i));
     }
+    wrap(columns, {columns.tip.moment, columns.tip.moment_before});
+    wrap(columns, columns.plate.moment_before);
+    return energy.value();
 }
 
 inline void drift_pins(double step, RigidColumns& columns) noexcept {

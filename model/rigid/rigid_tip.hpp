@@ -17,6 +17,7 @@ struct TipPlace {
     Lanes<W> inverse_radius;  ///< inverse distance of the sphere's centre from the axis [1/m]
     PlaneOf<W> radial;        ///< unit vector from the axis to the sphere's centre, in the sheave's frame
     Lanes<W> out, in;         ///< ν_r, ν_z: components of the normal, outward and towards the other sheave
+    Lanes<W> out_z;           ///< out at +z, the opposite at -z: component along z of the flank's direction
     PlaneOf<W> normal;        ///< G
     Lanes<W> normal_z;
     PlaneOf<W> reach;               ///< P - E
@@ -49,11 +50,11 @@ struct TipBounds {
 /// Place, normal and depth. A depth is a difference of lengths a thousand times as large: the distances of half and end from the flank are
 /// doubles, and the tip's part of them is small.
 template <int W>
-[[gnu::always_inline]] inline void place_tip(const RigidCoefficients& c, const TipNumbers<W>& n, const HalfMotion<W>& half,
-                                             const SideMotion<W>& sheave, TipPlace<W>& tip) noexcept {
+[[gnu::always_inline]] inline void place_tip(const TipNumbers<W>& n, const HalfMotion<W>& half, const SideMotion<W>& sheave,
+                                             TipPlace<W>& tip) noexcept {
     const PlaneOf<W> arm = half.centre + sheave.arm;
     const Lanes<W> sunk = half.rise + sheave.side * half.bend_rise;
-    const Lanes<W> arm_z = sheave.z - sunk - sheave.side * n.inward;
+    const Lanes<W> arm_z = sheave.z - sunk;
     const PlaneOf<W> moved{sheave.arm.x - sheave.tilt_y * arm_z, sheave.arm.y + sheave.tilt_x * arm_z}, l = half.centre + moved;
     const Lanes<W> distance = sqrt(dot(l, l)), sum = distance + half.distance, inverse = 1.0 / (distance * sum);
     const Lanes<W> more_a = dot(moved, half.centre + l) * (distance * inverse);  // |l| - |centre|
@@ -61,11 +62,12 @@ template <int W>
     const Lanes<W> a = half.excess + more_a, h = sheave.height + more_h;
     const Lanes<W> bent_a = n.inverse_reach * a, bent_h = n.inverse_reach * h;
     tip.depth =
-        Lanes<W>(-0.5) * (bent_a * a + bent_h * h) - (c.sine * more_a + c.cosine * more_h) - convert<W>(half.clearance + sheave.clearance);
+        Lanes<W>(-0.5) * (bent_a * a + bent_h * h) - (n.sine * more_a + n.cosine * more_h) - convert<W>(half.clearance + sheave.clearance);
     tip.inverse_radius = sum * inverse;
     tip.radial = tip.inverse_radius * l;
-    tip.out = c.sine + bent_a;
-    tip.in = c.cosine + bent_h;
+    tip.out = n.sine + bent_a;
+    tip.in = n.cosine + bent_h;
+    tip.out_z = sheave.side * tip.out;
     const PlaneOf<W> local = tip.out * tip.radial;
     const Lanes<W> local_z = -sheave.side * tip.in;
     tip.normal = {local.x + sheave.tilt_y * local_z, local.y - sheave.tilt_x * local_z};
@@ -137,9 +139,8 @@ struct RigidSlip {
 
 /// Components along circumference and flank of a velocity of the pin against the sheave.
 template <int W>
-[[nodiscard, gnu::always_inline]] inline RigidSlip<W> slip_of(const Lanes<W>& side, const TipPlace<W>& tip, const PlaneOf<W>& v,
-                                                              const Lanes<W>& v_z) noexcept {
-    return {cross(tip.radial, v), tip.in * dot(tip.radial, v) + side * (tip.out * v_z)};
+[[nodiscard, gnu::always_inline]] inline RigidSlip<W> slip_of(const TipPlace<W>& tip, const PlaneOf<W>& v, const Lanes<W>& v_z) noexcept {
+    return {cross(tip.radial, v), tip.in * dot(tip.radial, v) + tip.out_z * v_z};
 }
 
 /// Sliding velocity. The sphere's centre moves almost like the sheave there: the difference is taken in doubles.
@@ -152,7 +153,7 @@ template <int W>
     const PlaneOf<W> spinning = turned(half.turn * sheave.sphere + (c.radius * (half.lag + sheave.faster)) * tip.normal);
     const PlaneOf<W> v = centre + spinning - PlaneOf<W>{sheave.spin_y * tip.point_z, -(sheave.spin_x * tip.point_z)};
     const Lanes<W> surface_z = sheave.spin_x * tip.point.y - sheave.spin_y * tip.point.x;
-    return slip_of<W>(sheave.side, tip, v, sheave.velocity_z + half.ahead - sheave.side * shortening_rate - surface_z);
+    return slip_of<W>(tip, v, sheave.velocity_z + half.ahead - sheave.side * shortening_rate - surface_z);
 }
 
 /// Force of a tip on its pin: friction, and the normal force N_G, which includes the effect of friction on the half pin's shortening.
@@ -163,19 +164,27 @@ struct RigidTipForce {
     Lanes<W> push_z, friction_z;
 };
 
-/// @param pull Λ/4: a tip's part of the plates' force that lengthens the pin [N]
+/// @param normal N [N]   @param shortening η   @param pull Λ/4: a tip's part of the plates' force that lengthens the pin [N]
 template <int W>
-[[nodiscard, gnu::always_inline]] inline RigidTipForce<W> rigid_tip_force(const Lanes<W>& side, const TipPlace<W>& tip,
-                                                                          const RigidNormalForce<W>& n, const Lanes<W>& pull,
+[[nodiscard, gnu::always_inline]] inline RigidTipForce<W> rigid_tip_force(const TipPlace<W>& tip, const Lanes<W>& normal,
+                                                                          const Lanes<W>& shortening, const Lanes<W>& pull,
                                                                           const RigidSlip<W>& friction) noexcept {
     RigidTipForce<W> f;
     f.friction = friction.tangential * turned(tip.radial) + (friction.radial * tip.in) * tip.radial;
-    f.friction_z = side * (friction.radial * tip.out);
-    f.normal = n.force + n.shortening * (friction.radial * tip.out + pull);
+    f.friction_z = friction.radial * tip.out_z;
+    f.normal = normal + shortening * (friction.radial * tip.out + pull);
     f.push = f.normal * tip.normal;
     f.push_z = f.normal * tip.normal_z;
     return f;
 }
+
+/// A tip and its force.
+template <int W>
+struct PressedTip {
+    const TipPlace<W>& place;
+    const HalfMotion<W>& half;
+    RigidTipForce<W> force;
+};
 
 /// Generalised forces of tips on pins, and on the pitch lines of their halves.
 template <int W>
@@ -184,19 +193,26 @@ struct RigidTipForces {
     PlaneOf<W> end{0.0, 0.0}, bend{0.0, 0.0};
     Lanes<W> z[2] = {0.0, 0.0}, moment[2] = {0.0, 0.0};
 
-    /// Virtual work of a tip's force on the coordinates of its pin and on the direction of its half.
-    [[gnu::always_inline]] void add(const TipNumbers<W>& c, const Lanes<W>& side, const HalfMotion<W>& on, std::size_t which,
-                                    const RigidTipForce<W>& f) noexcept {
-        half[which] = half[which] + (f.push + f.friction);
-        z[which] += f.push_z + f.friction_z;
-        const PlaneOf<W> at_end = c.lever * f.push + f.friction, at_bend = c.bend_lever * f.push + f.friction;
-        end = end + side * at_end - (c.outward_per_half * f.push_z) * on.outward;
-        bend = bend + at_bend - (side * c.bent_outward_per_half * f.push_z) * on.outward;
+    /// Virtual work of the forces of both tips at an end on the coordinates of their pin. @param of those of the front, the rear half
+    [[gnu::always_inline]] void add(const TipNumbers<W>& c, const Lanes<W>& side, const PressedTip<W> (&of)[2]) noexcept {
+        const RigidTipForce<W>&front = of[0].force, &rear = of[1].force;
+        half[0] = half[0] + (front.push + front.friction);
+        half[1] = half[1] + (rear.push + rear.friction);
+        z[0] += front.push_z + front.friction_z;
+        z[1] += rear.push_z + rear.friction_z;
+        const PlaneOf<W> push = front.push + rear.push, friction = front.friction + rear.friction,
+                         tilting = front.push_z * of[0].half.outward + rear.push_z * of[1].half.outward;
+        end = end + side * (c.lever * push + friction) - c.outward_per_half * tilting;
+        bend = bend + (c.bend_lever * push + friction) - (side * c.bent_outward_per_half) * tilting;
     }
-    [[gnu::always_inline]] void add_moment(const TipNumbers<W>& c, const Lanes<W>& side, const HalfMotion<W>& on, std::size_t which,
-                                           const TipPlace<W>& tip, const RigidTipForce<W>& f) noexcept {
-        const Lanes<W> slope = on.slope_along + side * on.bend_along;
-        moment[which] += c.outward * (dot(f.push, on.line) - slope * f.push_z) + cross(tip.reach, f.friction);
+    /// The work on the directions of both halves.
+    [[gnu::always_inline]] void add_moments(const TipNumbers<W>& c, const Lanes<W>& side, const PressedTip<W> (&of)[2]) noexcept {
+        for (std::size_t k = 0; k < 2; ++k) {
+            const HalfMotion<W>& on = of[k].half;
+            const RigidTipForce<W>& f = of[k].force;
+            const Lanes<W> slope = on.slope_along + side * on.bend_along;
+            moment[k] += c.outward * (dot(f.push, on.line) - slope * f.push_z) + cross(of[k].place.reach, f.friction);
+        }
     }
 };
 

@@ -32,14 +32,15 @@ class TipGroup {
 
 public:
     [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
-                                    const RigidKick& kick, RigidColumns& columns, const typename PinBlocks<W>::Blocks& blocks) noexcept
+                                    const RigidKick& kick, const RigidColumns& columns,
+                                    const typename PinBlocks<W>::Blocks& blocks) noexcept
         : c_(c), n_(numbers), kick_(kick), pins_(columns, blocks), tip_(columns.tip), motion_(c, numbers, sheaves, kick, pins_) {
         for (std::size_t k = 0; k < rigid_tips; ++k)
             tips_[k].half = &motion_.half(k), tips_[k].side = &motion_.side(k), tips_[k].number = k;
     }
 
     [[gnu::always_inline]] void place() noexcept {
-        for (Tip& tip : tips_) place_tip<W>(c_, n_, *tip.half, *tip.side, tip);
+        for (Tip& tip : tips_) place_tip<W>(n_, *tip.half, *tip.side, tip);
     }
 
     [[nodiscard]] bool free() const noexcept {
@@ -65,25 +66,28 @@ public:
     [[gnu::always_inline]] void press(const SheaveMotion* sheaves, TipAccount<W>& account) noexcept {
         motion_.read_rates(sheaves);
         V stored(0.0), damped(0.0), shortened(0.0);
-        AxialResponse<W> response[2];
-        for (Tip& tip : tips_) {
-            const V rate = depth_rate<W>(*tip.half, *tip.side, tip, V(-0.5 * kick_.step));
-            RigidNormalForce<W>& n = tip.normal;
-            rigid_normal_force<W>(n_, tip.depth, rate, n);
-            const V shortening = n.shortening * rate;
-            tip.begin = tip_slip<W>(n_, *tip.half, *tip.side, tip, shortening);
-            tip.old = {convert<W>(pins_.read(tip_.tangential[tip.number])), convert<W>(pins_.read(tip_.radial[tip.number]))};
-            shortened += shortening;
-            response[half_of_tip(tip.number)].add(tip, n, rate);
-            pins_.write(tip_.normal[tip.number], widened<W>(n.force));
-            stored += n.energy;
-            const V drag = n.force - n.elastic;  // as in drag_power()
-            damped += (implicit ? 0.5 * (drag + convert<W>(pins_.read(tip_.damping_force[tip.number]))) : drag) * rate;
-            pins_.write(tip_.damping_force[tip.number], widened<W>(drag));
+        for (std::size_t half = 0; half < 2; ++half) {
+            AxialResponse<W> response;
+            for (std::size_t k = 2 * half; k < 2 * half + 2; ++k) {
+                Tip& tip = tips_[k];
+                const V rate = depth_rate<W>(*tip.half, *tip.side, tip, n_.lead);
+                RigidNormalForce<W> n;
+                rigid_normal_force<W>(n_, tip.depth, rate, n);
+                const V shortening = n.shortening * rate;
+                tip.normal_force = n.force, tip.shortening = n.shortening, tip.root_depth = n.root_depth;
+                tip.begin = tip_slip<W>(n_, *tip.half, *tip.side, tip, shortening);
+                tip.old = {convert<W>(pins_.read(tip_.tangential[k])), convert<W>(pins_.read(tip_.radial[k]))};
+                shortened += shortening;
+                response.add(tip, n, rate);
+                pins_.write(tip_.normal[k], widened<W>(n.force));
+                stored += n.energy;
+                const V drag = n.force - n.elastic;  // as in drag_power()
+                damped += (implicit ? 0.5 * (drag + convert<W>(pins_.read(tip_.damping_force[k]))) : drag) * rate;
+                pins_.write(tip_.damping_force[k], widened<W>(drag));
+            }
+            store(half, response);
         }
         pins_.write(tip_.lengthening, widened<W>(V(-0.25) * shortened));
-        store(response);
-        const auto pull = [&](Row spread) { return V(0.25 * c_.plate_reach) * convert<W>(pins_.read(spread) - pins_.read(spread, -1)); };
         pull_ = pull(pins_.columns().plate.moment);
         const V here = pins_.present();
         account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(pins_.columns().plate.moment_before)) : pull_) * shortened);
@@ -91,44 +95,28 @@ public:
         account.damping += here * damped;
     }
 
-    /// Predicts the changes of the pins' velocities in the step if friction stays constant.
-    [[gnu::always_inline]] void predict() noexcept {
-        if (!implicit) return;
+    /// Friction at the end of the step, one contact of a pin after the other, each with the velocities after those before it; and the sums
+    /// of all forces.
+    [[gnu::always_inline]] void rub(ReactionSum<W>& reaction, TipAccount<W>& account) noexcept {
+        VelocityChange change;
+        if (implicit) predict(change);
+        V lost(0.0);
+        RigidSlip<W> of_tips[rigid_tips];
+        for (std::size_t k = 0; k < rigid_tips; ++k) of_tips[k] = friction(tips_[k], change, lost);
         RigidTipForces<W> total;
-        for (const Tip& tip : tips_) {
-            const RigidTipForce<W> force = rigid_tip_force<W>(tip.side->side, tip, tip.normal, pull_, tip.old);
-            total.add(n_, tip.side->side, *tip.half, half_of_tip(tip.number), force);
+        const typename ReactionSum<W>::Shares shares(motion_.driven(), pins_.present());
+        for (std::size_t end = 0; end < 2; ++end) {
+            const Tip &front = tips_[end], &rear = tips_[end + 2];
+            const PressedTip<W> tips[] = {pressed(front, of_tips[end]), pressed(rear, of_tips[end + 2])};
+            total.add(n_, front.side->side, tips);
+            total.add_moments(n_, front.side->side, tips);
+            std::array<V, 6> on_sheave;
+            on_sheave.fill(V(0.0));
+            for (const PressedTip<W>& tip : tips) add_on_sheave<W>(tip.place, tip.force, on_sheave);
+            show(front, tips[0].force), show(rear, tips[1].force);
+            reaction.subtract(shares, end, on_sheave);
         }
-        velocity_change_ = n_.per_mass * (convert<W>(pins_.read(pins_.columns().force.middle)) + total.half[0] + total.half[1]);
-        end_velocity_change_ = n_.per_tilt * (convert<W>(pins_.read(pins_.columns().force.end)) + total.end);
-        bend_velocity_change_ = n_.per_bend * (convert<W>(pins_.read(pins_.columns().force.bend)) + total.bend);
-        const D front = pins_.read(pins_.columns().plate.friction, -1), rear = pins_.read(pins_.columns().plate.friction),
-                tips = pins_.read(pins_.columns().joint.tip_force_slide_expected);
-        const D free =
-            pins_.read(pins_.columns().force.slide) + tips - D(0.5) * (rear + front) - pins_.read(pins_.columns().joint.friction);
-        free_share_ = convert<W>(D(1.0) - pins_.read(pins_.columns().joint.coupling));
-        const V mean = n_.per_mass * (convert<W>(pins_.read(pins_.columns().force.z) + (rear - front)) + (total.z[0] + total.z[1]));
-        const V apart = n_.per_half_mass * (convert<W>(free) + free_share_ * (V(0.5) * (total.z[0] - total.z[1]) - convert<W>(tips)));
-        velocity_change_z_[0] = mean + apart, velocity_change_z_[1] = mean - apart;
-    }
-
-    [[gnu::always_inline]] void add_friction(ReactionSum<W>& reaction, TipAccount<W>& account) noexcept {
-        RigidTipForces<W> total;
-        typename ReactionSum<W>::Sides on_side;
-        V rubbed(0.0);
-        for (auto& forces : on_side) forces.fill(V(0.0));
-        for (const Tip& tip : tips_) {
-            const RigidTipForce<W> force = rigid_tip_force<W>(tip.side->side, tip, tip.normal, pull_, friction(tip, rubbed));
-            total.add(n_, tip.side->side, *tip.half, half_of_tip(tip.number), force);
-            total.add_moment(n_, tip.side->side, *tip.half, half_of_tip(tip.number), tip, force);
-            add_on_sheave<W>(tip, force, on_side[end_of_tip(tip.number)]);
-            pins_.write(tip_.radius[tip.number], widened<W>(sqrt(dot(tip.point, tip.point))));
-            pins_.write(tip_.sheave_outward[tip.number], widened<W>(-(dot(force.push, tip.radial) + dot(force.friction, tip.radial))));
-            pins_.write(tip_.sheave_axial[tip.number], widened<W>(-(force.push_z + force.friction_z)));
-        }
-        const V here = pins_.present();
-        account.friction += here * rubbed;
-        reaction.subtract(motion_.driven(), here, on_side);
+        account.friction += pins_.present() * lost;
         store(total);
     }
 
@@ -137,43 +125,95 @@ private:
         const HalfMotion<W>* half;
         const SideMotion<W>* side;
         std::size_t number;
-        RigidNormalForce<W> normal;
-        RigidSlip<W> begin;  ///< sliding velocity at the beginning of the step [m/s]
-        RigidSlip<W> old;    ///< friction of the last step [N]
+        V normal_force, shortening, root_depth;  ///< members of RigidNormalForce
+        RigidSlip<W> begin;                      ///< sliding velocity at the beginning of the step [m/s]
+        RigidSlip<W> old;                        ///< friction of the last step [N]
     };
 
-    /// Sliding velocity after the change of the velocities: the pin has moved by half a step as well.
-    [[nodiscard]] RigidSlip<W> slip_now(const Tip& tip) const noexcept {
-        const SideMotion<W>& side = *tip.side;
-        const PlaneV ends = velocity_change_ + bend_velocity_change_ + (side.side * end_velocity_change_ - side.moved_on);
-        const PlaneV change = ends - side.turned_by * turned(velocity_change_);
-        return tip.begin + slip_of<W>(side.side, tip, change, velocity_change_z_[half_of_tip(tip.number)]);
+    /// Changes of the pins' velocities in the step [m/s].
+    struct VelocityChange {
+        PlaneV middle, end;  ///< changes of the middle, with bending, and of the ends
+        V z, apart;          ///< along z: mean of both halves, and of the front half against it
+        V free_share;        ///< share of a parting force that friction between the halves leaves
+        PlaneV moved_on[2];  ///< change of the velocity against the sheave at -z, +z, as pin and sheave move by half a step
+    };
+
+    /// Λ/4 by the moments of plates.
+    [[nodiscard, gnu::always_inline]] V pull(Row moment) const noexcept {
+        return V(0.25 * c_.plate_reach) * convert<W>(pins_.read(moment) - pins_.read(moment, -1));
     }
 
-    /// Friction at the end of the step, one contact of a pin after the other, each with the velocities after those before it. The velocity
-    /// after the friction of the last step is corrected by r times the change of friction, r the contact's response.
-    [[nodiscard, gnu::always_inline]] RigidSlip<W> friction(const Tip& tip, V& lost) noexcept {
-        const RigidSlip<W>& old = tip.old;
-        const RigidSlip<W> free = implicit ? slip_now(tip) - n_.response * old : tip.begin;
+    /// Writes what is observed alone: radius, and forces on the sheave.
+    [[gnu::always_inline]] void show(const Tip& tip, const RigidTipForce<W>& force) noexcept {
+        pins_.write(tip_.radius[tip.number], widened<W>(dot(tip.point, tip.radial)));
+        pins_.write(tip_.sheave_outward[tip.number], widened<W>(-dot(force.push + force.friction, tip.radial)));
+        pins_.write(tip_.sheave_axial[tip.number], widened<W>(-(force.push_z + force.friction_z)));
+    }
+
+    [[nodiscard, gnu::always_inline]] PressedTip<W> pressed(const Tip& tip, const RigidSlip<W>& friction) const noexcept {
+        return {tip, *tip.half, rigid_tip_force<W>(tip, tip.normal_force, tip.shortening, pull_, friction)};
+    }
+
+    /// Predicts the changes if friction stays constant.
+    [[gnu::always_inline]] void predict(VelocityChange& change) noexcept {
+        RigidTipForces<W> total;
+        for (std::size_t end = 0; end < 2; ++end)
+            total.add(n_, tips_[end].side->side, {pressed(tips_[end], tips_[end].old), pressed(tips_[end + 2], tips_[end + 2].old)});
+        const RigidColumns& columns = pins_.columns();
+        const PlaneV middle = n_.per_mass * (convert<W>(pins_.read(columns.force.middle)) + total.half[0] + total.half[1]);
+        change.middle = middle + n_.per_bend * (convert<W>(pins_.read(columns.force.bend)) + total.bend);
+        change.end = n_.per_tilt * (convert<W>(pins_.read(columns.force.end)) + total.end);
+        const D front = pins_.read(columns.plate.friction, -1), rear = pins_.read(columns.plate.friction),
+                tips = pins_.read(columns.joint.tip_force_slide_expected);
+        const D free = pins_.read(columns.force.slide) + tips - D(0.5) * (rear + front) - pins_.read(columns.joint.friction);
+        change.free_share = convert<W>(D(1.0) - pins_.read(columns.joint.coupling));
+        change.z = n_.per_mass * (convert<W>(pins_.read(columns.force.z) + (rear - front)) + (total.z[0] + total.z[1]));
+        change.apart = n_.per_half_mass * (convert<W>(free) + change.free_share * (V(0.5) * (total.z[0] - total.z[1]) - convert<W>(tips)));
+        for (std::size_t end = 0; end < 2; ++end)
+            change.moved_on[end] = tips_[end].side->moved_on + tips_[end].side->turned_by * turned(middle);
+    }
+
+    /// Change of the sliding velocity by changes of the velocities: the pin has moved by half a step as well.
+    [[nodiscard, gnu::always_inline]] RigidSlip<W> slip_change(const Tip& tip, const VelocityChange& change) const noexcept {
+        const V& side = tip.side->side;
+        const PlaneV v = change.middle + (side * change.end - change.moved_on[end_of_tip(tip.number)]);
+        return slip_of<W>(tip, v, change.z + V(sign_of(half_of_tip(tip.number))) * change.apart);
+    }
+
+    /// Friction of a tip. The velocity after the friction of the last step is corrected by r times the change of friction, r the contact's
+    /// response.
+    [[gnu::always_inline]] RigidSlip<W> friction(const Tip& tip, VelocityChange& change, V& lost) noexcept {
+        const RigidSlip<W> old = tip.old;
+        const RigidSlip<W> free = implicit ? (tip.begin - n_.response * old) + slip_change(tip, change) : tip.begin;
         const V speed = sqrt(free.tangential * free.tangential + free.radial * free.radial);
         const V factor = friction_factor<W>(c_.tip_friction, friction_limit(tip, speed), n_.response, speed);
         const RigidSlip<W> force = (-factor) * free;
+        if (implicit) follow(tip, force - old, change);
         const RigidSlip<W> mean = implicit ? V(0.5) * (free + n_.response * force + tip.begin) : free;
         lost += -(force.tangential * mean.tangential + force.radial * mean.radial);
         pins_.write(tip_.tangential[tip.number], widened<W>(force.tangential));
         pins_.write(tip_.radial[tip.number], widened<W>(force.radial));
         pins_.write(tip_.grip[tip.number], widened<W>(implicit ? factor / (1.0 - n_.response * factor) : factor));
-        if (implicit) follow(tip, force - old);
         return force;
+    }
+
+    /// Changes the velocities by a change of a tip's friction.
+    [[gnu::always_inline]] void follow(const Tip& tip, const RigidSlip<W>& by, VelocityChange& change) noexcept {
+        const V& side = tip.side->side;
+        const PlaneV f = by.tangential * turned(tip.radial) + (by.radial * tip.in) * tip.radial;
+        change.middle = change.middle + n_.per_mass_or_bend * f;
+        change.end = change.end + (side * n_.per_tilt) * f;
+        const V along = n_.per_mass * (by.radial * tip.out_z);
+        change.z += along;
+        change.apart += V(sign_of(half_of_tip(tip.number))) * (change.free_share * along);
     }
 
     /// Largest friction of a tip, by its law at the speed under friction, or at the remembered one.
     /// @param v speed without friction
     [[nodiscard, gnu::always_inline]] V friction_limit(const Tip& tip, const V& v) noexcept {
-        const RigidNormalForce<W>& n = tip.normal;
-        const V limit = c_.tip_friction.coefficient * n.force;
+        const V limit = n_.friction * tip.normal_force;
         if (c_.tip_law == nullptr) return limit;
-        const V full = limit * pressure_factor<W>(*c_.tip_law, n.root_depth), slowest(implicit ? c_.tip_friction.saturation_speed : 0.0);
+        const V full = limit * pressure_factor<W>(*c_.tip_law, tip.root_depth), slowest(implicit ? c_.tip_friction.saturation_speed : 0.0);
         if (c_.tip_law->memory > 0.0) return full * speed_factor<W>(*c_.tip_law, remember(tip));
         return full * speed_factor<W>(*c_.tip_law, braked_speed<W>(*c_.tip_law, n_.response * full, v, slowest));
     }
@@ -194,23 +234,10 @@ private:
         return remembered;
     }
 
-    /// Changes the velocities by a change of a tip's friction.
-    [[gnu::always_inline]] void follow(const Tip& tip, const RigidSlip<W>& change) noexcept {
-        const PlaneV f = change.tangential * turned(tip.radial) + (change.radial * tip.in) * tip.radial;
-        velocity_change_ = velocity_change_ + n_.per_mass * f;
-        end_velocity_change_ = end_velocity_change_ + (tip.side->side * n_.per_tilt) * f;
-        bend_velocity_change_ = bend_velocity_change_ + n_.per_bend * f;
-        const V along = (tip.side->side * n_.per_mass) * (change.radial * tip.out), apart = free_share_ * along;
-        velocity_change_z_[half_of_tip(tip.number)] += along + apart;
-        velocity_change_z_[1 - half_of_tip(tip.number)] += along - apart;
-    }
-
-    [[gnu::always_inline]] void store(const AxialResponse<W> (&of_half)[2]) noexcept {
-        for (int k = 0; k < 2; ++k) {
-            pins_.write(tip_.stiffness[k], widened<W>(n_.stiffness * of_half[k].stiffness));
-            pins_.write(tip_.loading[k], widened<W>(n_.stiffness * (of_half[k].loading + of_half[k].stiffness * motion_.velocity_z(k))));
-            pins_.write(tip_.damping[k], widened<W>(n_.damping * of_half[k].damping));
-        }
+    [[gnu::always_inline]] void store(std::size_t half, const AxialResponse<W>& of_half) noexcept {
+        pins_.write(tip_.stiffness[half], widened<W>(n_.stiffness * of_half.stiffness));
+        pins_.write(tip_.loading[half], widened<W>(n_.stiffness * (of_half.loading + of_half.stiffness * motion_.velocity_z(half))));
+        pins_.write(tip_.damping[half], widened<W>(n_.damping * of_half.damping));
     }
     [[gnu::always_inline]] void store(const RigidTipForces<W>& total) noexcept {
         const PlaneV opening = V(0.5) * (total.half[0] - total.half[1]), sum = total.half[0] + total.half[1];
@@ -233,8 +260,6 @@ private:
     PinBlocks<W> pins_;
     const TipRows& tip_;
     RigidTipMotion<W> motion_;
-    PlaneV velocity_change_, end_velocity_change_, bend_velocity_change_;  ///< changes in this step [m/s]
-    V velocity_change_z_[2], free_share_;  ///< changes of both halves; share of a parting force that friction between the halves leaves
     Tip tips_[rigid_tips];
     V pull_;  ///< Λ/4: a quarter of the force of plates that lengthens the pin [N]
 };
@@ -245,7 +270,7 @@ class TipSums {
 public:
     TipSums(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick) noexcept : numbers_(c, sheaves, kick) {}
 
-    [[gnu::noinline]] void add(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+    [[gnu::noinline]] void add(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, const RigidColumns& columns,
                                const typename PinBlocks<W>::Blocks& blocks) noexcept {
         TipGroup<W, evaluation> group(c, numbers_, sheaves, kick, columns, blocks);
         group.place();
@@ -253,8 +278,7 @@ public:
         if (evaluation == Evaluation::instant) group.show_depths();
         if (group.free()) return group.release();
         group.press(sheaves, account_);
-        group.predict();
-        group.add_friction(on_sheaves_, account_);
+        group.rub(on_sheaves_, account_);
     }
     void store(const RigidCoefficients& c, RigidReaction& reaction, Account& account) const noexcept {
         on_sheaves_.store(reaction.sheaves);
@@ -277,7 +301,7 @@ private:
 /// Presses the tips of near pins over a step, in floats, two blocks at a time.
 inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
                        RigidReaction& reaction, Account& account) noexcept {
-    find_near_pins(c, sheaves, kick, columns);
+    renew_near_pins(c, sheaves, kick, columns);
     if (c.remembers()) wrap(columns, columns.tip.remembered());
     TipSums<rigid_singles, Evaluation::step> sums(c, sheaves, kick);
     PinBlock waiting{0, 0};
@@ -286,7 +310,7 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
         waiting = waiting.count != 0 ? PinBlock{0, 0} : block;
     });
     if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
-    finish_near_pins(columns, beyond);
+    for (const RowRange& part : columns.tip.written_rows()) unwrap(columns, part, beyond);
     if (c.remembers()) unwrap(columns, columns.tip.remembered(), beyond);
     wrap(columns, {columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
     sums.store(c, reaction, account);
@@ -297,7 +321,6 @@ inline void press_tips_now(const RigidCoefficients& c, const SheaveMotion* sheav
                            RigidReaction& reaction, Account& account) noexcept {
     TipSums<rigid_lanes, Evaluation::instant> sums(c, sheaves, kick);
     unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) { sums.add(c, sheaves, kick, columns, {block}); }));
-    columns.tip.blocks_before[-1] = -1.0;
     wrap(columns, {columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
     sums.store(c, reaction, account);
 }
@@ -312,12 +335,14 @@ inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, 
     for (std::size_t tip = 0; tip < rigid_tips; ++tip) group.depth(tip).copy_to(depth + tip * rigid_lanes);
 }
 
-inline double contact_changes(RigidColumns& columns, int tip) noexcept {
+inline double contact_changes(const RigidColumns& columns) noexcept {
     const PinLanes one(1.0), none(0.0);
     PinLanes changes(0.0);
-    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes presses = select_greater<rigid_lanes>(read(columns.tip.normal[tip], i), none, one, none);
-        changes += abs(presses - read(columns.tip.touching[tip], i));
+    for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
+        for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+            const PinLanes presses = select_greater<rigid_lanes>(read(columns.tip.normal[tip], i), none, one, none);
+            changes += abs(presses - read(columns.tip.touching[tip], i));
+        }
     }
     return sum<rigid_lanes>(changes);
 }
@@ -325,8 +350,7 @@ inline double contact_changes(RigidColumns& columns, int tip) noexcept {
 /// Finds the pins that may touch, and presses their tips for the rates at which they lengthen, which the friction of plates needs.
 inline void axial_rates(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept {
     const RigidKick kick;
-    find_near_pins(c, sheaves, kick, columns);
-    clear_tips(columns);
+    find_near_pins_now(c, sheaves, columns);
     const TipNumbers<rigid_lanes> numbers(c, sheaves, kick);
     TipAccount<rigid_lanes> ignored;
     unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) {
@@ -334,19 +358,6 @@ inline void axial_rates(const RigidCoefficients& c, const SheaveMotion* sheaves,
                     group.place();
                     if (!group.free()) group.press(sheaves, ignored);
                 }));
-}
-
-/// M_i = n_i·(A_i g_i + A_{i+1} g_{i+1}) + moments of the tips on the halves that turn with pitch line i.
-inline void tip_moments(RigidColumns& columns) noexcept {
-    wrap(columns, columns.tip.moments());
-    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const Plane normal = turned(read(columns.line.direction, i));
-        const Plane lean = read(columns.tip.offset_moment, i) + read(columns.tip.offset_moment, i + 1);
-        write(columns.tip.moment_before, i, read(columns.tip.moment, i));
-        write(columns.tip.moment, i,
-              dot(normal, lean) + read(columns.tip.moment_of_half[1], i) + read(columns.tip.moment_of_half[0], i + 1));
-    }
-    wrap(columns, {columns.tip.moment, columns.tip.moment_before});
 }
 
 }  // namespace

@@ -121,16 +121,19 @@ private:
 template <int W>
 class ReactionSum {
 public:
-    using Sides = std::array<std::array<Lanes<W>, 6>, 2>;
+    /// 1 for pins of the driving, of the driven shaft.
+    struct Shares {
+        /// @param second 1 for pins of the driven shaft   @param present 0 for pins that only fill the last vector
+        Shares(const Lanes<W>& second, const Lanes<W>& present) noexcept : driven(present * second), driving(present - driven) {}
+        Lanes<W> driven, driving;
+    };
     ReactionSum() noexcept {
-        for (Sides& sides : on_) sides[0].fill(Lanes<W>(0.0)), sides[1].fill(Lanes<W>(0.0));
+        for (auto& shaft : on_) shaft[0].fill(Lanes<W>(0.0)), shaft[1].fill(Lanes<W>(0.0));
     }
-    /// @param second 1 for pins that belong to the driven shaft   @param present 0 for pins that only fill the last vector
-    /// @param forces of each side's tips on the pins: the opposite of those on the sheaves
-    [[gnu::always_inline]] void subtract(const Lanes<W>& second, const Lanes<W>& present, const Sides& forces) noexcept {
-        const Lanes<W> here = present * second;
-        subtract(present - here, forces, on_[0]);
-        subtract(here, forces, on_[1]);
+    /// @param forces of the tips on the pins at -z (0) or +z (1): the opposite of those on the sheaves
+    [[gnu::always_inline]] void subtract(const Shares& shares, std::size_t side, const std::array<Lanes<W>, 6>& forces) noexcept {
+        subtract(shares.driving, forces, on_[0][side]);
+        subtract(shares.driven, forces, on_[1][side]);
     }
     void store(SheaveForces& to) const noexcept {
         for (std::size_t sheave = 0; sheave < 4; ++sheave) {
@@ -141,13 +144,12 @@ public:
     }
 
 private:
-    [[gnu::always_inline]] static void subtract(const Lanes<W>& share, const Sides& forces, Sides& from) noexcept {
+    [[gnu::always_inline]] static void subtract(const Lanes<W>& share, const std::array<Lanes<W>, 6>& forces,
+                                                std::array<Lanes<W>, 6>& from) noexcept {
         if (all_at_most<W>(share, 0.0)) return;
-        for (std::size_t side = 0; side < 2; ++side) {
-            for (std::size_t k = 0; k < 6; ++k) from[side][k] -= share * forces[side][k];
-        }
+        for (std::size_t k = 0; k < 6; ++k) from[k] -= share * forces[k];
     }
-    std::array<Sides, 2> on_;
+    std::array<std::array<std::array<Lanes<W>, 6>, 2>, 2> on_;  ///< forces by shaft and side
 };
 
 /// Sliding speed v that solves v + r C s(v) = w, with the law's share s: the contact slides by w without friction, and friction C s slows

@@ -84,7 +84,9 @@ struct TipNumbers {
     };
     /// @param of [4]
     TipNumbers(const RigidCoefficients& c, const SheaveMotion* of, const RigidKick& kick) noexcept
-        : radius(c.radius),
+        : sine(c.sine),
+          cosine(c.cosine),
+          radius(c.radius),
           inverse_reach(c.inverse_reach),
           softness(c.softness),
           hertz(c.hertz),
@@ -103,6 +105,9 @@ struct TipNumbers {
           per_half_mass(2.0 * kick.step / c.mass),
           per_tilt(kick.step / c.tilt_mass),
           per_bend(kick.step / c.bend_mass),
+          per_mass_or_bend(kick.step * (1.0 / c.mass + 1.0 / c.bend_mass)),
+          lead(-0.5 * kick.step),
+          friction(c.tip_friction.coefficient),
           response(1.2 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
           further_steps(c.further_steps + (kick.implicit() ? 0 : 2)) {
         for (std::size_t k = 0; k < sheaves.size(); ++k) {
@@ -112,14 +117,16 @@ struct TipNumbers {
         }
     }
 
-    Lanes<W> radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< copies of members of RigidCoefficients
-    Lanes<W> inward;                                                                       ///< R_p cos β [m]
-    Lanes<W> stiffness;                                                                    ///< dN/dδ_0 of a tip over η [N/m]
-    Lanes<W> outward_per_half;                                                             ///< R_p sin β/(ℓ_p/2)
-    Lanes<W> per_half;                                                                     ///< 1/(ℓ_p/2) [1/m]
-    Lanes<W> bend_lever;                                                                   ///< copy of the member of RigidCoefficients
-    Lanes<W> bent_outward_per_half, bent_per_half;                                         ///< outward_per_half and per_half for bending
-    Lanes<W> per_mass, per_half_mass, per_tilt, per_bend;                                  ///< velocity per force over the step [m/s/N]
+    Lanes<W> sine, cosine, radius, inverse_reach, softness, hertz, damping, per_cosine, lever, outward;  ///< copies of RigidCoefficients
+    Lanes<W> inward;                                                                                     ///< R_p cos β [m]
+    Lanes<W> stiffness;                                                      ///< dN/dδ_0 of a tip over η [N/m]
+    Lanes<W> outward_per_half;                                               ///< R_p sin β/(ℓ_p/2)
+    Lanes<W> per_half;                                                       ///< 1/(ℓ_p/2) [1/m]
+    Lanes<W> bend_lever;                                                     ///< copy of the member of RigidCoefficients
+    Lanes<W> bent_outward_per_half, bent_per_half;                           ///< outward_per_half and per_half for bending
+    Lanes<W> per_mass, per_half_mass, per_tilt, per_bend, per_mass_or_bend;  ///< velocity per force over the step [m/s/N]
+    Lanes<W> lead;      ///< time by which velocities are ahead of coordinates at the beginning of a step [s]
+    Lanes<W> friction;  ///< coefficient of friction of tips
     Lanes<W> response;  ///< response of the sliding velocity to friction, with a margin for neighbours [m/s/N]
     int further_steps;  ///< further iterations of Newton's method
     std::array<Sheave, 4> sheaves;
@@ -132,6 +139,8 @@ struct TipNumbers {
 /// Number of a half's pitch line against the pin's, and its share of the halves' offset from each other.
 [[nodiscard]] constexpr int line_of(std::size_t half) noexcept { return half == 0 ? -1 : 0; }
 [[nodiscard]] constexpr double share_of(std::size_t half) noexcept { return half == 0 ? 0.5 : -0.5; }
+/// 1 for the front half, -1 for the rear half.
+[[nodiscard]] constexpr double sign_of(std::size_t half) noexcept { return half == 0 ? 1.0 : -1.0; }
 
 /// Contributions of a pin half to place and motion of its tips.
 template <int W>
@@ -154,13 +163,13 @@ struct HalfMotion {
 /// Contributions of one side's sheaves and pin ends to place and motion of the tips there.
 template <int W>
 struct SideMotion {
-    Lanes<W> side;               ///< ±1: -z or +z
-    PlaneOf<W> arm;              ///< sphere's centre from `place`, less the displacement of this sheave against that at -z [m]
-    PlaneOf<W> sphere;           ///< sphere's centre from the pin's end, without the half's part [m]
-    Lanes<W> z, height;          ///< z of the pin's end from the flank plane's centre; the same inwards [m]
-    DoublesOf<W> clearance;      ///< cos β height: part of the distance from the flank [m]
-    Lanes<W> tilt_x, tilt_y;     ///< [rad]
-    PlaneOf<W> velocity;         ///< velocity of the pin's end against the sheave, without the half's part [m/s]
+    Lanes<W> side;            ///< ±1: -z or +z
+    PlaneOf<W> arm;           ///< sphere's centre from `place`, less the displacement of this sheave against that at -z [m]
+    PlaneOf<W> sphere;        ///< sphere's centre from the pin's end, without the half's part [m]
+    Lanes<W> z, height;       ///< z of the sphere's centre from the flank plane's centre, without the half's part; of the end, inwards [m]
+    DoublesOf<W> clearance;   ///< cos β height: part of the distance from the flank [m]
+    Lanes<W> tilt_x, tilt_y;  ///< [rad]
+    PlaneOf<W> velocity;      ///< velocity of the pin's end against the sheave, without the half's part [m/s]
     PlaneOf<W> sphere_velocity;  ///< velocity of a sphere's centre against the sheave's origin, without the half's part [m/s]
     Lanes<W> velocity_z;         ///< [m/s]
     PlaneOf<W> moved_on;         ///< change of the pin's velocity against the sheave by the sheave's turning in the step [m/s]
@@ -232,7 +241,7 @@ public:
     [[nodiscard]] const HalfMotion<W>& half(std::size_t tip) const noexcept { return half_[half_of_tip(tip)]; }
     [[nodiscard]] const SideMotion<W>& side(std::size_t tip) const noexcept { return side_[end_of_tip(tip)]; }
     /// Velocity of half 0 or 1 along z.
-    [[nodiscard]] V velocity_z(int of_half) const noexcept { return convert<W>(rate_.z) + half_[of_half].ahead; }
+    [[nodiscard]] V velocity_z(std::size_t of_half) const noexcept { return convert<W>(rate_.z) + half_[of_half].ahead; }
     /// 1 for pins of the driven shaft, else 0.
     [[nodiscard]] const V& driven() const noexcept { return driven_; }
 
@@ -288,8 +297,9 @@ private:
         s.arm = (V(side) * n_.lever) * at_.end + n_.bend_lever * at_.bend - moved;
         const D plane(select_greater<lanes>(second_, D(0.5), D(driven.z - side * c_.half_length), D(driving.z - side * c_.half_length)));
         const D z = at_.z - plane, height = D(-side) * z;
-        s.z = convert<W>(z);
-        s.height = V(-side) * s.z;
+        const V from_flank = convert<W>(z);
+        s.z = from_flank - s.side * n_.inward;
+        s.height = -s.side * from_flank;
         s.clearance = c_.cosine * height;
         s.tilt_x = of_sheave(&Sheave::tilt_x, end);
         s.tilt_y = of_sheave(&Sheave::tilt_y, end);

@@ -47,11 +47,12 @@ void set_phase(Workspace& w, int pin, int tip, bool touches) noexcept {
 /// Phases of tips: touching where they press.
 void find_touching(Workspace& w, model::RigidState& pins) noexcept {
     w.tips.have_changed = false;
+    if (pins.model.kernels().contact_changes(pins.columns) == 0.0) return;
+    w.tips.have_changed = true;
+    w.tips.phases_before = w.tips.phases;
     for (int tip = 0; tip < model::rigid_tips; ++tip) {
         const double* normal = pins.columns.tip.normal[at(tip)];
         double* touching = pins.columns.tip.touching[at(tip)];
-        if (pins.model.kernels().contact_changes(pins.columns, tip) == 0.0) continue;
-        if (!std::exchange(w.tips.have_changed, true)) w.tips.phases_before = w.tips.phases;
         for (int pin = 0; pin < pins.columns.padded(); ++pin) {
             const double touches = normal[pin] > 0.0 ? 1.0 : 0.0;
             if (std::exchange(touching[pin], touches) != touches && pin < w.layout().links) set_phase(w, pin, tip, touches > 0.0);
@@ -107,17 +108,7 @@ void RigidLeapfrog::plates(int) noexcept { pins_.model.plate_friction(pulleys_.s
 
 void RigidLeapfrog::tips(int) noexcept { pins_.model.tip_forces(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
 
-void RigidLeapfrog::kick(int) noexcept {
-    pins_.model.sum_forces(kick_, pins_.columns, pins_.forces);
-    kick_pins();
-}
-
-void RigidLeapfrog::kick_pins() noexcept {
-    kinetic_ = pins_.model.kernels().kick(pins_.model.coefficients(), kick_.step, pins_.columns);
-    const model::RigidColumns& columns = pins_.columns;
-    columns.copy({columns.plate.friction, columns.plate.moment}, columns.plate.friction_before);
-    columns.copy(columns.joint.friction, columns.joint.friction_before);
-}
+void RigidLeapfrog::kick(int) noexcept { pins_.model.sum_forces(kick_, pins_.columns, pins_.forces); }
 
 /// Friction of the velocities as they are stays in the columns, and the first step begins with it.
 void RigidLeapfrog::start() {
@@ -132,7 +123,6 @@ void RigidLeapfrog::start() {
     columns.copy({columns.plate.slip_low, columns.plate.slip_high}, columns.plate.slip_low_before);
     columns.copy(columns.joint.slip, columns.joint.slip_before);
     pulleys_.start(w_.step.time);
-    kick_pins();
     half_way_ = {};
     count_energy({});
     cold_ = false;
@@ -157,7 +147,7 @@ void RigidLeapfrog::add_energies(const EnergyAccount& from, double time, const m
 
 /// Half of the kick belongs to the step behind: account_ is of the coordinates, half_way_ of the velocities.
 void RigidLeapfrog::count_energy(const model::WorkRates& power) noexcept {
-    kinetic_ += pulleys_.kinetic();
+    kinetic_ = pins_.forces.kinetic + pulleys_.kinetic();
     add_energies(half_way_, 0.5 * kick_.step, power, account_);
     add_energies(half_way_, kick_.step, power, half_way_);
     pins_.lead = 0.5 * kick_.step;
@@ -223,12 +213,12 @@ void RigidLeapfrog::load(std::span<const double> memory) {
     std::size_t size = 0;
     visit(*this, [&](const double*, std::size_t count) { size += count; });
     if (memory.size() != size) throw std::invalid_argument("state of rigid pins: wrong size");
+    pins_.columns.clear_tips();
     visit(*this, [&](double* numbers, std::size_t count) {
         std::copy_n(memory.begin(), count, numbers);
         memory = memory.subspan(count);
     });
     for (const model::RowRange& rows : pins_.columns.kept()) pins_.columns.wrap(rows);
-    pins_.columns.tip.blocks_before[-1] = -1.0;
     forget_touching(pins_.columns, w_.layout().links);
     cold_ = false;
 }

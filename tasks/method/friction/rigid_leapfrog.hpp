@@ -103,7 +103,6 @@ public:
 private:
     void start();
     void set_lead(double lead) noexcept;                        ///< velocities ahead of coordinates by a time [s]
-    void kick_pins() noexcept;                                  ///< velocities by accelerations, over the step
     void finish() noexcept;                                     ///< pulleys, energies and phases of the tips
     void count_energy(const model::WorkRates& power) noexcept;  ///< [W]
     /// Energies `to` as `from` and what a time [s] at the rates of the last kick adds. power of the inputs [W]
