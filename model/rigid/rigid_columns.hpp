@@ -247,7 +247,7 @@ public:
     [[nodiscard]] std::size_t bytes() const noexcept { return memory_.size() * sizeof(double); }
 
     /// Rows that the pins keep from step to step.
-    [[nodiscard]] std::array<RowRange, 14> kept() const noexcept {
+    [[nodiscard]] std::array<RowRange, 15> kept() const noexcept {
         return {RowRange{position.middle.x, velocity.bend.y},
                 damping.rows(),
                 wave.lasting(),
