@@ -236,7 +236,7 @@ struct TipMoment {
 
 /// Share of a step in the low pass by which forces of tips last: their friction is that of the step before and would pull the waves back
 /// with a delay; with less, what pins that enter and leave sheaves do to the filter is felt in the energy balance.
-constexpr double lasting_share = 0.1;
+constexpr double lasting_share = 0.3;
 
 /// Accelerations and, over the step, kick_pins(). @return as kick_pins()
 inline double accelerate_pins(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {

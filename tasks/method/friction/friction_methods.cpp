@@ -34,6 +34,7 @@ constexpr double longest_swept_step = 2.858e-6;
             .slope_slots = LeapfrogFrame::slope_slots,
             .make = [](Workspace& workspace) { return std::make_unique<FrictionLeapfrog>(workspace, chebyshev_kick); },
             .reach = {1.4144296926475168, 140884.96688539424, MethodReach::unlimited, frictionless_reach, damping_reach},
+            .revision = 2,
             .missing = missing_contact_fields};
 }
 
@@ -51,7 +52,7 @@ constexpr double longest_swept_step = 2.858e-6;
             .reach = {frictionless_reach, MethodReach::unlimited, MethodReach::unlimited, frictionless_reach, damping_reach},
             .longest_step = longest_swept_step,
             .holds_links = true,
-            .revision = 4,
+            .revision = 5,
             .missing = missing_for_sweeps};
 }
 

@@ -92,7 +92,7 @@ void SweepSystem::make_room() {
     }
     mean_edges_.make_room(segments);
     ghosts_.resize(at(2 * segments));
-    handed_over_ = false;
+    handed_over_ = follows_ = false;  // borders also move after begin()
 }
 
 void SweepSystem::repartition(const Partition& partition) {

@@ -68,6 +68,8 @@ public:
     [[nodiscard]] virtual double longest() const noexcept = 0;
     /// Longest step at a state [s]. @param time [s] @param state [layout.size()] @param phases [4 links]
     [[nodiscard]] virtual double longest(double time, const double* state, const model::Phase* phases) noexcept = 0;
+    /// Share of that step to take where the energy balance has used up this much of its tolerance (EnergyLedger::balance_error_ratio).
+    [[nodiscard]] virtual double caution(double balance_error_ratio) const noexcept = 0;
     /// A new integration begins.
     virtual void restart() noexcept = 0;
     /// Memory for a bitwise continuation from checkpoints.

@@ -216,8 +216,10 @@ void StepController::plan_step() {
 
 /// Length of automatic steps, at the start of a leg: shorter as soon as needed, longer only if the gain is worth it.
 void StepController::choose_step() {
-    const double longest = std::min(method_.longest_step(settings_.choice->longest()),
-                                    settings_.choice->longest(w_.step.time, w_.state(), w_.tips.phases.data()));
+    StepChoice& choice = *settings_.choice;
+    const double longest =
+        std::min(method_.longest_step(choice.longest()),
+                 choice.caution(w_.energy.balance_error_ratio()) * choice.longest(w_.step.time, w_.state(), w_.tips.phases.data()));
     StepGrid next = grid_;
     next.divide(longest);
     const bool longer = next.step > grid_.step;

@@ -69,6 +69,18 @@ TEST(AutoStep, OfRigidPinsIsShortWhereTheFilterDoesNotHelp) {
     }
 }
 
+/// A machine that is clamped by twice the usual force at 7.1 us leaves 1.5 times the tolerance of the balance.
+TEST(AutoStep, OfRigidPinsIsShorterWhereTheBalanceAsksForIt) {
+    const Scene scene = scene_of("control", "rigid",
+                                 {"start.ratio=0.54", "control.ratio=0.541", "clamping.driven=40 kN", "clamping.driving=52 kN",
+                                  "load.torque=14", "start.settling_time=20 ms", "run.output_interval=0.2 ms"});
+    Simulation simulation(scene);
+    settle_and_go(simulation, 0.08);
+    EXPECT_LE(simulation.step(), 5e-6 * (1.0 + 1e-12));
+    EXPECT_LT(simulation.balance_error_ratio(), 1.0);
+    expect_continued(scene, 0.01, 0.08);
+}
+
 /// A host's call of a millisecond does not contain a whole estimate; the pieces find the same, and continue from a checkpoint bitwise.
 TEST(AutoStep, OfRigidPinsSpreadsItsEstimates) {
     const Scene scene = scene_of("baseline", "rigid", {"start.settling_time=5 ms", "start.ramp_time=2 ms"});

@@ -110,14 +110,14 @@ struct Recorded {
     const char *fine, *rigid;  ///< hashes
 };
 constexpr Recorded recorded[] = {
-    {"dumka3", 1, "a70dfff64c047984", "a0cfd3950d8a9542"},
-    {"rkc", 1, "7c9ac806a0677b62", "3684cc4296da747e"},
-    {"rock2", 1, "03930f81ab64dd92", "57c88bbefa05855f"},
-    {"fitted", 1, "d47c039b512c6467", "f91ad9fef7ccb355"},
-    {"leapfrog-rkc", 1, "81c8025503995cd8", "none"},
-    {"leapfrog-chebyshev", 1, "1eb8ed90f0095b9d", "none"},
-    {"leapfrog-sweep", 4, "c4a8e2b2a18113b0", "none"},
-    {"leapfrog-rigid", 3, "none", "7bdbf2a2ee4ab168"},
+    {"dumka3", 1, "a70dfff64c047984", "7d25c1bcfba3af3e"},
+    {"rkc", 1, "7c9ac806a0677b62", "42cd1775ba8ea18a"},
+    {"rock2", 1, "03930f81ab64dd92", "37999afd49f60875"},
+    {"fitted", 1, "d47c039b512c6467", "0b87fafcd4415de9"},
+    {"leapfrog-rkc", 2, "68ebe460b2d811dd", "none"},
+    {"leapfrog-chebyshev", 2, "2bdc5433e1cda232", "none"},
+    {"leapfrog-sweep", 5, "9d88d72ed2639830", "none"},
+    {"leapfrog-rigid", 3, "none", "823df97ce0addd63"},
     {"trapezoidal-analytic", 2, "75858bb6f14f2039", "none"},
     {"trapezoidal-full", 2, "891228d1b526264f", "none"},
     {"trapezoidal-once", 2, "923ab37b53bdafd0", "none"},

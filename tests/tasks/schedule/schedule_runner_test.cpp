@@ -88,6 +88,19 @@ TEST(ScheduleRunner, BordersFollowTheLinksThatTouch) {
     EXPECT_EQ(moved.hash, runner_outcome(scene, {Schedule{}}, {}).hash);
 }
 
+/// While tips reach the sheaves, borders also move after a step has begun.
+TEST(ScheduleRunner, BordersThatMoveWhileTheChainSettlesDoNotChangeTheBits) {
+    const Scene scene = scene_of("overdrive", "fine", {"drive.speed=5900 rpm", "start.settling_time=1.5 ms", "start.ramp_time=1 ms"});
+    ChooserOptions options;
+    options.window = 0.0;
+    const std::vector<Schedule> balanced{{"serial", {Assembly::fused}, 4, 1, true}};
+    Simulation moved(scene, balanced, options), serial(scene, {Schedule{}}, {});
+    settle_and_go(moved, 1e-5);
+    settle_and_go(serial, 1e-5);
+    EXPECT_GT(moved.integrator().runner().repartition_count(), 0);
+    EXPECT_EQ(moved.hash(), serial.hash());
+}
+
 /// Other segments between steps leave the bits of these methods as they are.
 void expect_bits_with_changing_segments(const std::vector<std::string>& methods) {
     for (const std::string& method : methods) {
