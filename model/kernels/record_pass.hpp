@@ -92,7 +92,7 @@ private:
         return {columns.at(0, range_.first + group + range_.shift), columns.stride(), count};
     }
 
-    /// Of the link before the range.
+    /// Writes the frame of the link before the range.
     void put_frame_before(const LinkFrameOf<Lanes<N>>& frame) const noexcept {
         const int column = range_.first - 1 + range_.shift;
         *to_.field.columns.at(ContactComponents::frame_x, column) = static_cast<float>(frame.tx[N - 1]);

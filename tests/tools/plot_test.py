@@ -157,7 +157,7 @@ class PlotCommand(Program):
         """Means of 1 ms beside those of outputs every 10 us of the same steps, by the trapezoidal rule; sums are those of the instant."""
         for name, settings in (("means", "--set 'run.output_interval=1 ms' --set record.means=true"),
                                ("dense", "--set 'run.output_interval=10 us'")):
-            self.cvtflow(f"run baseline -q --detail rigid --until '4 ms' --set 'run.state_interval=1 ms' -o {name}.h5 {settings}")
+            self.cvtflow(f"run baseline -q --detail rigid --step '5 us' --until '4 ms' --set 'run.state_interval=1 ms' -o {name}.h5 {settings}")
         self.assertEqual(len(channel("means.h5", "time")), 5)
         for name in ("tight_tension", "slip", "loss/tip_friction", "shaft_2/torque", "chain_speed"):
             rows, dense = channel("means.h5", name), channel("dense.h5", name)

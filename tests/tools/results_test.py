@@ -67,7 +67,7 @@ class Info(Program):
         self.assertEqual(self.column("status"), {0: "cycle_missed"})
         self.has(self.column("notes")[0], "cycle_missed")
         self.assertFalse(math.isnan(self.column("ratio_mean")[0]), "a case that has run completely has scalars")
-        self.assertAlmostEqual(attribute("out/records/case-000000.h5", "step_taken"), 5e-6, delta=1e-6, msg="of rigid pins")
+        self.assertAlmostEqual(attribute("out/records/case-000000.h5", "step_taken"), 7.1e-6, delta=0.5e-6, msg="of rigid pins")
 
 
 class RainflowOfARecord(Program):

@@ -56,7 +56,8 @@ public:
     virtual ~TakenStep() = default;
     /// The next steps have this length. false: the method refuses or fails. h [s]
     [[nodiscard]] virtual bool prepare(double h) = 0;
-    /// Moves to another state that may show that disturbances die out: one step further along. false: there is none.
+    /// Moves to another size of disturbances, or to another state, one step further along, which may show that they die out. false: there
+    /// is none.
     [[nodiscard]] virtual bool move_on() = 0;
     /// Numbers of a disturbance: the state, then the memory of the method.
     [[nodiscard]] virtual int size() const noexcept = 0;
@@ -92,6 +93,7 @@ private:
     const tasks::FrozenStart start_;
     double h_ = 0.0;  ///< [s]
     tasks::IntegrationState base_, image_, moved_;
+    std::size_t trial_ = 0;      ///< times moved on
     std::vector<double> scale_;  ///< size of a disturbance that counts as one [unknowns]
 };
 

@@ -10,11 +10,6 @@ namespace {
 
 constexpr const char* ours = "this project (tasks/method/friction)";
 
-/// Contacts are kept in fields that rigid pins do not have.
-[[nodiscard]] std::string_view missing_contact_fields(const model::Parameters& parameters) noexcept {
-    return parameters.detail.pins != model::PinDetail::rigid ? "" : "detail.pins = \"halves\"";
-}
-
 /// Reach of a leapfrog without friction: h ω < 2; damping acts at the velocity v + (v - v before)/2 in the middle, as by Adams and
 /// Bashforth, and -1 is an eigenvalue at h δ = 1.
 constexpr double frictionless_reach = 2.0000000000002398, damping_reach = 1.0;

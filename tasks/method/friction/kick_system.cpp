@@ -143,6 +143,11 @@ void SegmentFields::load(std::size_t field, std::span<const double>& memory) {
     set(field, [&] { return static_cast<float>(*from++); });
 }
 
+std::string_view missing_contact_fields(const model::Parameters& parameters) noexcept {
+    if (parameters.detail.pins == model::PinDetail::rigid) return "detail.pins = \"halves\"";
+    return parameters.chain.pins >= 12 ? "" : "chain.pins >= 12";
+}
+
 KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges)
     : friction(model::make_friction(w.variator.chain(), w.parameters.detail.stick_slip)),
       fields(w, friction, std::move(rows), std::move(outlasting), std::move(edges)),

@@ -59,7 +59,7 @@ constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 2.0, max_sweeps = 12
 }  // namespace
 
 std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept {
-    if (parameters.detail.pins == model::PinDetail::rigid) return "detail.pins = \"halves\"";
+    if (const std::string_view missing = missing_contact_fields(parameters); !missing.empty()) return missing;
     // The record evaluates tips within 0.5 mm of sheaves that turn about their shaft's axis.
     if (parameters.imperfection.runout * std::sin(parameters.tip.angle) > 3e-4) return "imperfection.runout * sin(tip.angle) <= 0.3 mm";
     return parameters.detail.friction == model::FrictionLaw::piecewise ? "" : "detail.friction = \"piecewise\"";
