@@ -299,7 +299,7 @@ constexpr Row rows[] = {
          [](const Scene& s) {  // numbers of a family are checked when the method is made
              return may_be_method(method_of(s)) ? Violation{} : "run.method: " + no_method(s.run.method);
          }},
-    {.keys = "run.method detail.pins detail.friction tip.friction_law imperfection.runout imperfection.unbalance",
+    {.keys = "run.method chain.pins detail.pins detail.friction tip.friction_law imperfection.runout imperfection.unbalance",
      .find =
          [](const Scene& s) {
              const std::string objection = objection_to(method_of(s), s.parameters);

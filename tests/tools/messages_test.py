@@ -256,8 +256,8 @@ class Messages(Program):
             ("tune tiny --accuracy '1 %' --outputs slipp -q", 1, "outputs: slipp is not one of slip, "),
             ("run tiny --accuracy '1 %' --method rk4", 2),  # the method is what is found
             ("run tiny --budget '1 s'", 2))  # of what?
-        blamed = self.err("run baseline --set chain.pins=3", 2)
-        self.assertTrue(blamed.startswith("cvtflow: chain.pins = 3 (was 84): chain.pins: 3 pins make a chain of "), blamed)
+        blamed = self.err("run baseline --set chain.pins=20", 2)
+        self.assertTrue(blamed.startswith("cvtflow: chain.pins = 20 (was 84): chain.pins: 20 pins make a chain of "), blamed)
         self.lacks(blamed, "start.state")  # which was not given
 
     def test_of_csv_inputs_have_the_place_in_scene_and_file(self):
