@@ -258,22 +258,21 @@ private:
             writer.sync();
             synced = Clock::now();
         });
-        std::vector<std::unique_ptr<CaseEngine>> engines(static_cast<std::size_t>(threads_));
+        Engines engines(static_cast<std::size_t>(threads_));
         std::vector<std::vector<std::byte>> buffers(engines.size(), std::vector<std::byte>(layout.bytes()));
         started_ = Clock::now();
         engine::run_jobs(
             threads_, options_.pin, [&](int) { return next(); },
             [&](int worker, long first) {
-                auto& engine = engines[static_cast<std::size_t>(worker)];
-                if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
+                CaseEngine& engine = engine_of(worker, engines, control_);
                 for (long number = first; number < first + sweep_.strand() && !stopping(); ++number) {
                     if (!open(number)) continue;
-                    const CaseResult& result = run_noted(*engine, worker, number);
+                    const CaseResult& result = run_noted(engine, worker, number);
                     if (result.status == CaseStatus::stopped) return;
                     auto& row = buffers[static_cast<std::size_t>(worker)];
                     fill_row(layout, sweep_, result, row);
                     rows.post(row);
-                    engine->forget_checkpoint();
+                    engine.forget_checkpoint();
                     ended(result);
                 }
             });
@@ -286,6 +285,14 @@ private:
     /// Whether a case is to be run now.
     [[nodiscard]] bool open(long number) const noexcept {
         return done_[static_cast<std::size_t>(number)] == 0 && (!options_.part.only || options_.part.only == number);
+    }
+
+    using Engines = std::vector<std::unique_ptr<CaseEngine>>;
+    /// Engine of a worker, made when its first case comes.
+    CaseEngine& engine_of(int worker, Engines& engines, BatchControl& control) {
+        auto& engine = engines[static_cast<std::size_t>(worker)];
+        if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control, places());
+        return *engine;
     }
 
     const CaseResult& run_noted(CaseEngine& engine, int worker, long number) {
@@ -346,17 +353,15 @@ private:
                 {number, longer ? sweep_.from + times * (layout.real(row, layout.column("settled_for")) - sweep_.from) : 0.0, {}});
         }
         BatchControl control(threads_, options_.grace, cancel_, options_.notice);
-        std::vector<std::unique_ptr<CaseEngine>> engines(static_cast<std::size_t>(threads_));
+        Engines engines(static_cast<std::size_t>(threads_));
         const auto next = [&, job = 0L](int) mutable -> std::optional<long> {
             if (job < std::ssize(all) && !cancel_.requested()) return job++;
             control.idle();
             return {};
         };
         engine::run_jobs(threads_, options_.pin, next, [&](int worker, long job) {
-            auto& engine = engines[static_cast<std::size_t>(worker)];
-            if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control, places());
             Again& again = all[static_cast<std::size_t>(job)];
-            again.result = engine->run_from_own_start(again.number, again.until);
+            again.result = engine_of(worker, engines, control).run_from_own_start(again.number, again.until);
         });
         RepeatedCases changes(sweep_, longer);
         for (const Again& again : all) {
