@@ -13,10 +13,12 @@ namespace cvtflow::tasks {
 namespace {
 
 /// Means over 8 ms of a machine that is not steady, such as one that sticks and slips under friction that falls with the speed, differ by
-/// up to 2 % between steps; over 20 ms machine 27, the worst, is off by 0.5 %.
-bool honest(const bench::LotteryTicket& ticket, bench::LotteryRules rules) {
-    if (rules.duration < 10e-3 && ticket.notes.find("unsteady") != std::string::npos) rules.tolerance = std::max(rules.tolerance, 0.02);
-    return ticket.honest(rules);
+/// up to 3 % between steps. Such a machine is judged by 20 ms, over which machine 27, the worst, is off by 0.9 %.
+bool honest(const bench::LotteryTicket& ticket, const bench::LotteryRules& rules) {
+    if (ticket.honest(rules)) return true;
+    const bench::LotteryRules longer;
+    if (rules.duration >= longer.duration || ticket.notes.find("unsteady") == std::string::npos) return false;
+    return bench::play(1, ticket.number, longer).honest(longer);
 }
 
 /// Draws machines and prints the counts by status. A run reported as finished agrees with a run of shorter steps, at most a hundredth is
