@@ -52,10 +52,13 @@ nlohmann::ordered_json progress_json(const tasks::BatchProgress& p, const tasks:
     return line.update({{"cases", p.cases}, {"left", p.left()}}), line;  // NaN becomes null
 }
 
+/// Whether nothing is left to do. A worker that was stopped after the last case it had claimed leaves what nobody has claimed.
+bool ended(const tasks::BatchReport& report, ExitStatus status) { return report.finished && status != ExitStatus::cancelled; }
+
 /// The last line of batch --json.
 nlohmann::ordered_json end_json(const tasks::Sweep& sweep, const tasks::BatchReport& report, ExitStatus status) {
     const tasks::BatchProgress& p = report.progress;
-    nlohmann::ordered_json line{{"event", report.finished ? "finished" : "stopped"},
+    nlohmann::ordered_json line{{"event", ended(report, status) ? "finished" : "stopped"},
                                 {"sweep", sweep.name},
                                 {"folder", report.folder},
                                 {"table", report.folder + "/cases.h5"},
@@ -72,13 +75,13 @@ nlohmann::ordered_json end_json(const tasks::Sweep& sweep, const tasks::BatchRep
     return line;
 }
 
-void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, const tasks::BatchOptions& options) {
+void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, const tasks::BatchOptions& options, ExitStatus status) {
     const tasks::BatchProgress& p = report.progress;
     const std::string of_all = options.shard.claims() ? "" : fmt::format(" of {}", p.cases);
     fmt::print("{}: {}\n", sweep.name,
-               report.finished ? "finished"
-                               : fmt::format("stopped after {}{} cases; to continue: cvtflow resume {}{}", p.before + p.done, of_all,
-                                             options.folder, report.hopeless.empty() ? "" : " --keep-going"));
+               ended(report, status) ? "finished"
+                                     : fmt::format("stopped after {}{} cases; to continue: cvtflow resume {}{}", p.before + p.done, of_all,
+                                                   options.folder, report.hopeless.empty() ? "" : " --keep-going"));
     std::string text = field("cases", fmt::format("{} now in {:.2f} s on {}, {:.3g} a second{}", p.done, p.wall,
                                                   plural(report.threads, "thread"), static_cast<double>(p.done) / std::max(p.wall, 1e-9),
                                                   p.before > 0 ? fmt::format("; {} before", p.before) : ""));
@@ -148,7 +151,7 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
                               : accurate                                    ? status_of(report.tally)
                                                                             : ExitStatus::inaccurate;
     if (output.json) print_json(end_json(sweep, report, status));
-    if (!quiet && !output.json) print_end(sweep, report, options);
+    if (!quiet && !output.json) print_end(sweep, report, options, status);
     if (!quiet) print_notices();
     if (!report.hopeless.empty()) print_error(fmt::format("{}: {}; --keep-going runs the others", sweep.name, report.hopeless));
     return status;
