@@ -63,7 +63,7 @@ const TunedChoice& chosen_of(const TuneResult& result) {
     }
     if (!result.used_up_by.empty()) throw AccuracyError(fmt::format("{}: {}", result.scene, result.why_none()), true);
     throw AccuracyError(fmt::format("{}: no tried choice is within {:g} % (with a margin of {:g}){}", result.scene, 100.0 * result.accuracy,
-                                    tuning_margin,
+                                    result.margin,
                                     best == nullptr ? "" : fmt::format("; nearest: {}: {}", best->choice.text(), best->outcome)));
 }
 
@@ -155,7 +155,7 @@ std::string tuned_text(const Scene& scene, const TuneResult& result, const std::
     const engine::Provenance here = engine::current_provenance();
     std::string text = fmt::format("# {} for an accuracy of {:g} %: {}.\n# Made by cvtflow {} ({}) on {}.\n#\n", result.scene,
                                    100.0 * result.accuracy, chosen.choice.text(), here.version, here.commit, here.cpu);
-    text += fmt::format("# Largest errors at the operating points below; {:g} times them are within the target:\n", tuning_margin);
+    text += fmt::format("# Largest errors at the operating points below; {:g} times them are within the target:\n", result.margin);
     for (std::size_t i = 0; i < result.outputs.size(); ++i)
         text += fmt::format("#   {:<20} {:.2g} %\n", result.outputs[i], 100.0 * chosen.errors[i]);
     text += fmt::format("# {:.3g} s of processor time per simulated second. Measured against:\n", chosen.seconds);

@@ -88,7 +88,7 @@ const PointRun* Tuner::reference_at(std::size_t i, TuneResult& result) {
 
 /// A shorter step or another method helps only where the detail is not what is wrong.
 bool Tuner::worth_trying(const TunedChoice& candidate, const TuneResult& result) const {
-    const double most = gained_by_halving * result.accuracy / tuning_margin;
+    const double most = gained_by_halving * result.accuracy / result.margin;
     return settings_.all || std::none_of(result.choices.begin(), result.choices.end(), [&](const TunedChoice& before) {
                const bool similar = before.choice.detail == candidate.choice.detail && before.choice.share <= 2.0 * candidate.choice.share;
                return similar && before.choice.step == 0.0 && candidate.choice.step == 0.0 && before.tried &&
@@ -124,7 +124,7 @@ void Tuner::try_at_points(TunedChoice& candidate, TuneResult& result) {
         candidate.errors.resize(errors.size(), 0.0);
         for (std::size_t k = 0; k < errors.size(); ++k) candidate.errors[k] = std::max(candidate.errors[k], errors[k]);
         candidate.tried = true;
-        if (largest(errors) > result.accuracy / tuning_margin && candidate.outcome.empty())
+        if (largest(errors) > result.accuracy / result.margin && candidate.outcome.empty())
             candidate.outcome = run.objection.empty() ? fmt::format("{} has an error of {:.2g} % at {}", result.outputs[std::size_t(worst)],
                                                                     100.0 * largest(errors), place)
                                                       : fmt::format("{} at {}", run.objection, place);
@@ -164,7 +164,7 @@ std::string Tuner::next_digit(const TuneResult& result) const {
     const TunedChoice *best = nullptr, &chosen = result.choices[*result.chosen];
     const TunedChoice* finest = nullptr;
     for (const TunedChoice& c : result.choices) {
-        const bool better = c.tried && c.error() * tuning_margin <= target && (best == nullptr || c.seconds < best->seconds);
+        const bool better = c.tried && c.error() * result.margin <= target && (best == nullptr || c.seconds < best->seconds);
         if (better) best = &c;
         if (c.choice.detail == detail_presets().back().name && c.choice.share == 1.0 && finest == nullptr) finest = &c;
     }
@@ -179,7 +179,7 @@ std::string Tuner::next_digit(const TuneResult& result) const {
         return fmt::format("{:.2g} times the time: {} is within {:g} %", seconds / chosen.seconds, what, 100.0 * target);
     };
     if (best != nullptr) return times(best->seconds, best->choice.text());
-    if (finest == nullptr || off * tuning_margin > target) return "not known: no measured choice is that exact";
+    if (finest == nullptr || off * result.margin > target) return "not known: no measured choice is that exact";
     return "at most " + times(finest->seconds / share, TuneChoice{finest->choice.detail, finest->choice.method, share}.text());
 }
 
@@ -189,6 +189,7 @@ TuneResult Tuner::tune(double accuracy) {
     TuneResult result;
     result.scene = points().sweep.name;
     result.accuracy = accuracy;
+    if (dial_.size() == 1) result.margin = lone_point_margin;
     for (const TunedOutput& output : points().outputs) result.outputs.push_back(output.name);
     judged_.clear();
     try {
@@ -214,11 +215,10 @@ TuneResult Tuner::tune(double accuracy) {
 long TuneResult::tried() const noexcept { return std::ranges::count_if(choices, &TunedChoice::tried); }
 
 std::string TuneResult::why_none() const {
-    if (used_up_by.empty()) return fmt::format("no choice has errors times {:g} within the target", tuning_margin);
+    if (used_up_by.empty()) return fmt::format("no choice has errors times {:g} within the target", margin);
     const std::string spent = fmt::format("the budget ended during: {}", used_up_by);
-    return tried() == 0
-               ? "nothing was tried: " + spent
-               : fmt::format("none of the {} that were tried has errors times {:g} within the target; {}", tried(), tuning_margin, spent);
+    return tried() == 0 ? "nothing was tried: " + spent
+                        : fmt::format("none of the {} that were tried has errors times {:g} within the target; {}", tried(), margin, spent);
 }
 
 std::vector<UnseenPoint> Tuner::verify(const TunedChoice& choice, OperatingPoints points, double accuracy) const {

@@ -18,6 +18,8 @@ namespace cvtflow::tasks {
 
 /// Safety factor: errors at an untried point may be larger than at the tried points by this factor.
 inline constexpr double tuning_margin = 2.0;
+/// The same where only one point is tried: it may happen to be one of small errors (measured: those within 5 % of it are 0.9 to 3.4 times).
+inline constexpr double lone_point_margin = 4.0;
 /// Largest difference of a reference to one with twice its step, as a share of the allowed error.
 inline constexpr double reference_share = 0.25;
 
@@ -52,6 +54,7 @@ struct TunedChoice {
 struct TuneResult {
     std::string scene;
     double accuracy = 0.0;                ///< target [1]
+    double margin = tuning_margin;        ///< factor on errors that the target has to allow
     std::vector<std::string> outputs;     ///< names
     std::vector<std::string> points;      ///< points at which choices were judged
     std::vector<std::string> references;  ///< origins of the references of those points
@@ -63,7 +66,7 @@ struct TuneResult {
     double wall = 0.0;                    ///< wall time of the search [s]
 
     [[nodiscard]] long tried() const noexcept;
-    /// Reason why nothing was chosen: "no choice has errors times 2 within the target", or that the budget was used up, and by what.
+    /// Reason why nothing was chosen: "no choice has errors times 4 within the target", or that the budget was used up, and by what.
     [[nodiscard]] std::string why_none() const;
 };
 

@@ -309,7 +309,7 @@ class Tune(Program):
     def test_writes_a_scene_that_runs_with_what_it_chose(self):
         text = self.out(f"tune {self.TINY} {self.BRIEF} --verify 1 -o out -q")
         self.has(text, "tiny: accuracy 20 %, at 1 operating point\n")
-        self.matches(text, "\n  chosen  .* errors times 2 within", "\n  one more digit  .* within 2 %")
+        self.matches(text, "\n  chosen  .* errors times 4 within", "\n  one more digit  .* within 2 %")
         self.has(read("tiny.tuned.toml"), "# tiny for an accuracy of 20 %: ", "#   start: full, leapfrog-sweep at ")
         self.has(read("tiny.tuned.svg"), "<svg")
         found = json.loads(read("out/tune_tiny.json"))

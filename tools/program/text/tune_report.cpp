@@ -85,7 +85,7 @@ std::string tune_text(const tasks::TuneResult& result) {
             "busy machine",
             fmt::format("repeated measurements of a cost differ by up to {:.0f} %; choices within that are ranked by number of evaluations",
                         100.0 * spread));
-    const std::string margin = fmt::format("errors times {:g} within the target", tasks::tuning_margin);
+    const std::string margin = fmt::format("errors times {:g} within the target", result.margin);
     text += field("chosen", result.chosen ? fmt::format("{}: {:.3g} s/s, {}", result.choices[*result.chosen].choice.text(),
                                                         result.choices[*result.chosen].seconds, margin)
                                           : "none: " + result.why_none());
@@ -117,7 +117,7 @@ nlohmann::ordered_json tune_json(const tasks::TuneResult& result, const std::vec
     return ordered_json{{"scene", result.scene},
                         {"provenance", provenance_json()},
                         {"accuracy", result.accuracy},
-                        {"margin", tasks::tuning_margin},
+                        {"margin", result.margin},
                         {"outputs", result.outputs},
                         {"points", result.points},
                         {"references", result.references},

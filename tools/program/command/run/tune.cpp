@@ -140,8 +140,8 @@ Action declare_tune(CLI::App& app) {
         "Tries levels of detail (cvtflow list detail) with the methods that auto chooses among, at the automatic step, a half and a "
         "quarter\nof it, cheapest first. Operating points: the scene's start, and the lowest and highest value of every table over "
         "time.\nReference: the finest level at a quarter of its step or less. Chooses the first variant whose errors times " +
-        fmt::format("{:g}", tasks::tuning_margin) +
-        " meet the\naccuracy at every point; unreliable variants are never chosen. front: no other variant is both cheaper and more "
+        fmt::format("{:g} ({:g} where there is one point)", tasks::tuning_margin, tasks::lone_point_margin) +
+        "\nmeet the accuracy at every point; unreliable variants are never chosen. front: no other variant is both cheaper and more "
         "accurate.\nExit status 7: no variant meets the accuracy, or more than one in twenty points of --verify misses it; 4: the budget "
         "was\nused up before one did.\n\n" +
         std::string(exit_status_help));
