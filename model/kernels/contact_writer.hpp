@@ -1,5 +1,6 @@
 #pragma once
-/// Writes a contact field while forces are computed, links side by side in lanes: what LanePass hands over on its way.
+/// Writes the tips of a contact field, links side by side in lanes: a part of RecordPass. And NoContacts, with which LanePass observes
+/// nothing.
 
 #include <algorithm>
 #include <array>

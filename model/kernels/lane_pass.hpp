@@ -28,11 +28,13 @@ public:
 
     /// slope [unknowns, per second]; nullptr where forces are observed: none
     LanePass(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, const Contacts& contacts = {}) noexcept
-        : LanePass(model, model.coefficients(), range, slope, loads, contacts) {}
-    /// Takes other coefficients than the model's.
-    LanePass(const ChainModel& model, const Coefficients& c, const ChainRange& range, double* slope, LinkLoad* loads,
-             const Contacts& contacts) noexcept
-        : model_(model), c_(c), range_(range), links_(range.last - range.first), slope_(slope), loads_(loads), contacts_(contacts) {}
+        : model_(model),
+          c_(model.coefficients()),
+          range_(range),
+          links_(range.last - range.first),
+          slope_(slope),
+          loads_(loads),
+          contacts_(contacts) {}
 
     void run() const noexcept {
         std::array<Columns, 2> columns;  // of this group and the one before, taking turns
@@ -52,13 +54,7 @@ public:
     // The parts, which benches time one by one.
 
     /// Links group … group + W - 1; lanes outside the window repeat its ends.
-    void read(int group, Columns& columns) const noexcept {
-        std::array<const double*, W> from;
-        for (int lane = 0; lane < W; ++lane)
-            from[static_cast<std::size_t>(lane)] = range_.window + std::clamp(group + lane + 1, 0, links_ + 1) * block;
-        load_rows<W, block>(from, columns.state.data());
-        columns.frame = link_frame(columns.q(), columns.v());
-    }
+    void read(int group, Columns& columns) const noexcept { read_links<W>(range_.window, group, links_, columns); }
 
     /// Joints of the pins behind the links `here`, the first of which is `group`.
     [[nodiscard]] Joints joints_between(const Columns& earlier, const Columns& here, int group = 0) const noexcept {

@@ -97,6 +97,17 @@ struct LinkColumns {
     [[nodiscard]] const Lanes<W>* v() const noexcept { return state.data() + size; }
 };
 
+/// Links group … group + W - 1 of a range; lanes outside the window repeat its ends.   @param window as of ChainRange   @param links of the
+/// range
+template <int W>
+inline void read_links(const double* window, int group, int links, LinkColumns<W>& columns) noexcept {
+    constexpr int block = link_layout.link_block();
+    std::array<const double*, W> from;
+    for (int lane = 0; lane < W; ++lane) from[static_cast<std::size_t>(lane)] = window + std::clamp(group + lane + 1, 0, links + 1) * block;
+    load_rows<W, block>(from, columns.state.data());
+    columns.frame = link_frame(columns.q(), columns.v());
+}
+
 /// Numbers that differ between links, in the order of LinkKind.
 template <int W>
 struct KindLanes {

@@ -78,13 +78,7 @@ private:
     }
 
     /// Links group … group + N - 1; lanes outside the window repeat its ends.
-    void read(int group, LinkColumns<N>& columns) const noexcept {
-        std::array<const double*, N> from;
-        for (int lane = 0; lane < N; ++lane)
-            from[static_cast<std::size_t>(lane)] = range_.window + std::clamp(group + lane + 1, 0, links_ + 1) * block;
-        load_rows<N, block>(from, columns.state.data());
-        columns.frame = link_frame(columns.q(), columns.v());
-    }
+    void read(int group, LinkColumns<N>& columns) const noexcept { read_links<N>(range_.window, group, links_, columns); }
 
     /// Rows of the links group, …, and of that many behind the range.
     [[nodiscard]] Rows rows_of(FloatColumns& columns, int group, int behind) const noexcept {
