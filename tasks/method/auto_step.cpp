@@ -88,15 +88,14 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
 
 /// Treats the strongest damping as if it acted on the fastest oscillation, which need not be so. Links and pulleys are estimated
 /// separately: their fastest motions are far apart. So are waves that are filtered, which have another limit.
-double AutoStep::damped_step() const noexcept {
-    double step = forever;
-    for (const SpectralBound& part : damped_parts_) {
-        const bool filtered = filter_ > 0.0 && &part == &damped_parts_.back() && part.real() < filtered_damping * part.imaginary();
-        step = std::min(step, filtered
-                                  ? within(1.0 / std::sqrt(filter_), part.imaginary())
-                                  : damped_limit(part.imaginary() / reach_.frictionless, part.real() / reach_.damping, friction_matters_));
-    }
-    return step;
+double AutoStep::limit_of(const SpectralBound& part) const noexcept {
+    const bool filtered = filter_ > 0.0 && &part == &damped_parts_.back() && part.real() < filtered_damping * part.imaginary();
+    return filtered ? within(1.0 / std::sqrt(filter_), part.imaginary())
+                    : damped_limit(part.imaginary() / reach_.frictionless, part.real() / reach_.damping, friction_matters_);
+}
+
+const SpectralBound& AutoStep::most_limiting() const noexcept {
+    return *std::ranges::min_element(damped_parts_, {}, [this](const SpectralBound& part) { return limit_of(part); });
 }
 
 void AutoStep::restart() noexcept {
@@ -113,7 +112,8 @@ void AutoStep::restart() noexcept {
 double AutoStep::longest(double time, const double* state, const model::Phase* phases) noexcept {
     if (begun_ == -1e300) begun_ = time;
     if (part_ == no_part && time - checked_ >= std::min(interval_, checked_ - begun_) * (1.0 - 1e-9)) {
-        // Contacts damp more the more they bear; what they bear hardly changes once a run has settled.
+        // Contacts damp more the more they bear; what they bear hardly changes once a run has settled. Waves that are filtered are the
+        // links' own, whose stiffness does not change.
         damping_due_ = time == begun_ || time - begun_ >= std::max(check_interval, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9);
         part_ = 0;
         checked_ = time;
@@ -144,7 +144,7 @@ void AutoStep::estimate(double time, const double* state, const model::Phase* ph
     if (part_ < parts) return;
     part_ = no_part;
     if (damping_due_) {
-        damped_ = damped_step();
+        if (!damped_parts_.empty()) damped_ = limit_of(most_limiting());
         damped_at_ = time;
     }
     stable_ = std::min({within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()), damped_});
@@ -152,7 +152,7 @@ void AutoStep::estimate(double time, const double* state, const model::Phase* ph
 
 LargestStep AutoStep::largest() const noexcept {
     const double share = friction_matters_ ? margin : sharp_margin;
-    const double fastest = filter_ > 0.0 ? damped_parts_.back().imaginary() : bound_.imaginary();
+    const double fastest = filter_ > 0.0 ? most_limiting().imaginary() : bound_.imaginary();
     const LargestStep limits[] = {
         {share * within(reach_.oscillation, bound_.imaginary()), StepLimiter::oscillation, bound_.imaginary()},
         {share * within(reach_.decay, bound_.real()), StepLimiter::decay, bound_.real()},

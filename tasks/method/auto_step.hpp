@@ -83,7 +83,7 @@ public:
     /// Estimates the spectrum if the last estimate is too old: of pin halves at once, of rigid pins, a millisecond after the beginning and
     /// later, an iteration at a time, so that no call of a host takes much longer than others. time [s], state [unknowns]
     [[nodiscard]] double longest(double time, const double* state, const model::Phase* phases) noexcept override;
-    /// Two thirds of the longest steps of rigid pins, 5 us of 7.5, as soon as the balance has used up 0.7 of its tolerance: its residual
+    /// Two thirds of a step of rigid pins (5 us of 7.5), from then on, once the balance has used up 0.7 of its tolerance: its residual
     /// grows with the step and with the clamping.
     [[nodiscard]] double caution(double balance_error_ratio) const noexcept override {
         return filter_ > 0.0 && balance_error_ratio > 0.7 ? 2.0 / 3.0 : 1.0;
@@ -109,7 +109,10 @@ private:
     static constexpr int turn_evaluations = 2;
     static constexpr int no_part = -1;
 
-    [[nodiscard]] double damped_step() const noexcept;
+    /// Longest stable step of a part of the machine without friction [s].
+    [[nodiscard]] double limit_of(const SpectralBound& part) const noexcept;
+    /// The one of damped_parts_, which must not be empty, with the shortest limit.
+    [[nodiscard]] const SpectralBound& most_limiting() const noexcept;
     /// Continues the present estimate. time [s], state [unknowns]   @param budget evaluations
     void estimate(double time, const double* state, const model::Phase* phases, int budget) noexcept;
 
@@ -133,8 +136,8 @@ private:
     double damped_at_ = -1e300;                 ///< time of the estimate of damped_ [s]
     double stable_ = 0.0;                       ///< longest stable step of the last estimate [s]
     double turned_ = -1e300;                    ///< time at which the present estimate was last continued [s]
-    int part_ = no_part;        ///< part in work: 0 the whole spectrum, then damped_parts_; no_part: no estimate is under way
-    bool damping_due_ = false;  ///< the present estimate includes damped_parts_
+    int part_ = no_part;                        ///< part in work: 0 bound_, then damped_parts_; no_part: no estimate is under way
+    bool damping_due_ = false;                  ///< the present estimate includes damped_parts_
     long evaluations_ = 0;
 };
 
