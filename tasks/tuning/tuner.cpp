@@ -278,8 +278,9 @@ std::vector<TunedChoice> Tuner::find_bases() {
     if (settings_.levels.empty() && level_of(scene).empty()) levels.emplace_back();  // the scene's detail has no name
     std::vector<std::string> methods = settings_.methods;
     if (methods.empty()) methods = {RunSettings{}.method};
+    const bool all = settings_.methods.empty() && !settings_.same_everywhere;
     for (const AutomaticChoice& row : automatic_choices())
-        if (settings_.methods.empty() && !settings_.same_everywhere) methods.emplace_back(row.method);
+        if (all && find_program(row.method) != nullptr) methods.emplace_back(row.method);  // tables cost ten times as much
     std::vector<TunedChoice> bases;
     Objections objections;
     for (const std::string& level : levels) {
