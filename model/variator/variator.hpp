@@ -56,8 +56,8 @@ public:
 
     /// Groups of links whose reactions are summed first, so that sums do not depend on segments.
     [[nodiscard]] int sums() const noexcept { return (layout().links + links_per_sum - 1) / links_per_sum; }
-    /// Reactions of the links of one group, in the order of their numbers. phases, loads: of all links   @param other written for both
-    /// shafts
+    /// Reactions of the links of one group, in the order of their numbers. phases, loads: of all links   @param other those on the
+    /// other shaft, written only if links touch both
     void add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum, SheaveSum& other) const noexcept;
     /// Forces of the chain on the sheaves from the sums of all groups, in their order. Sums of groups that touch nowhere are not read:
     /// another processor may have written them. phases: of all links, as for add_up()   @param sums [2 sums()], of other shafts behind

@@ -82,7 +82,7 @@ struct alignas(model::cache_line) StepInput {
     double h = 0.0;                ///< length of the step [s]
     double dwell = 0.0;            ///< minimum time between two phase changes of a tip [s]
     double search_until = 0.0;     ///< end of the proposed step; transitions are searched for up to here [s]
-    engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines; its terms are in the line of the times
+    engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
     double theta = 1.0;            ///< place at which a truncate cycle cuts, share of the step
     bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links
     engine::PlanStep error_row{};  ///< row that combines the error
@@ -101,7 +101,8 @@ struct alignas(model::cache_line) StepInput {
 /// Results of each link: written by the link's segment (Field::load, account, link_error), summed by the controller in a fixed order.
 struct LinkFields {
     model::LineVector<model::LinkLoad> loads;  ///< [links]
-    /// [2 variator.sums()] of loads, of other shafts behind; by the segment that has all links of a sum, in a fused evaluate cycle
+    /// [2 variator.sums()] of loads: one per group for the shaft of its first touching link, then one per group for the other; by the
+    /// segment that has all links of a sum, in a fused evaluate cycle
     model::LineVector<model::SheaveSum> sums;
     std::vector<int> split_sums;           ///< sums whose links several segments share
     std::vector<model::Account> accounts;  ///< [links * account_parts], by an observe cycle; with a ledger in the state by every evaluation

@@ -18,9 +18,9 @@ namespace cvtflow::tasks {
 
 /// Safety factor: errors at an untried point may be larger than at the tried points by this factor.
 inline constexpr double tuning_margin = 2.0;
-/// The same where only one point is tried: it may happen to be one of small errors (measured: those within 5 % of it are 0.9 to 3.4 times).
+/// Margin where only one point is tried: it may happen to be one of small errors (measured: those within 5 % of it are 0.9 to 3.4 times).
 inline constexpr double lone_point_margin = 4.0;
-/// Largest difference of a reference to one with twice its step, as a share of the allowed error.
+/// Largest difference of a reference to one with twice its step, as a share of the target over tuning_margin.
 inline constexpr double reference_share = 0.25;
 
 struct TuneSettings {

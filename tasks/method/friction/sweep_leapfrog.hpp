@@ -21,8 +21,8 @@
 
 namespace cvtflow::tasks {
 
-/// Setting that sweeps require and parameters do not have: pin halves, a friction law without a rounded corner, a run-out that leaves
-/// flanks where the record of contacts expects them. Empty: none.
+/// Setting that sweeps require and parameters do not have: pin halves, twelve pins, a friction law without a rounded corner, a run-out that
+/// leaves flanks where the record of contacts expects them. Empty: none.
 [[nodiscard]] std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept;
 /// Whether sweeps are the automatic choice: parameters have what they need, tips have no phases stick and slip (whose losses were not
 /// compared), and friction does not saturate at so low a speed that more sweeps would be needed than a step has.

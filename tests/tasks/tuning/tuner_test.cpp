@@ -203,7 +203,7 @@ struct UnseenTally {
     long points = 0, missed = 0;
 };
 
-/// Tunes, tries further points, and prints the results on stdout. A point whose reference does not converge has none, which tune says.
+/// Tunes, tries further points, and prints the results on stdout. A point whose reference does not converge has none, which tune reports.
 void try_unseen(Tuner& tuner, const OperatingPoints& points, double accuracy, const std::string& name, UnseenTally& tally) {
     TuneResult result;
     try {

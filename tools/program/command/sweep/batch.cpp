@@ -52,7 +52,7 @@ nlohmann::ordered_json progress_json(const tasks::BatchProgress& p, const tasks:
     return line.update({{"cases", p.cases}, {"left", p.left()}}), line;  // NaN becomes null
 }
 
-/// Whether nothing is left to do. A worker that was stopped after the last case it had claimed leaves what nobody has claimed.
+/// Whether nothing is left to do. A worker that was stopped after the last case it had claimed leaves cases that no worker has claimed.
 bool ended(const tasks::BatchReport& report, ExitStatus status) { return report.finished && status != ExitStatus::cancelled; }
 
 /// The last line of batch --json.
