@@ -169,7 +169,7 @@ TEST(SteadyMeans, OfARatioThatIsHeldAreAtItsTarget) {
 
 /// Errors state half of the tolerance beside what a run shows when it passes, of a ratio that is held a tenth of that.
 TEST(SteadyMeans, StateWhatNoMeanShowsToo) {
-    const MeanErrors& free = means_of([](double) { return 2000.0; }, 1.0).steady();
+    const MeanErrors free = means_of([](double) { return 2000.0; }, 1.0).steady();
     EXPECT_NEAR(free.error[2].sum(), 0.005 * 2000.0, 1e-6);
     EXPECT_NEAR(free.error[0].sum(), 0.005, 1e-9);
     EXPECT_NEAR(free.error[5].sum(), 0.005 * 0.003, 0.05 * 0.005 * 0.003);
