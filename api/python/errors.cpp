@@ -2,6 +2,7 @@
 
 #include <cctype>
 #include <map>
+#include <utility>
 
 #include "api/python/bind.hpp"
 
@@ -57,7 +58,7 @@ void bind_errors(py::module_& module) {
     for (int code = 1; code <= last_code; ++code) {
         const std::string name = error_name(static_cast<ErrorCode>(code));
         if (name == "unknown") continue;
-        py::object bases = py::reinterpret_borrow<py::object>(code >= first_fault ? fault : error);
+        auto bases = py::reinterpret_borrow<py::object>(code >= first_fault ? fault : error);
         if (code == static_cast<int>(ErrorCode::argument) || code == static_cast<int>(ErrorCode::scene))
             bases = py::make_tuple(error, value);
         if (code == static_cast<int>(ErrorCode::memory)) bases = py::make_tuple(error, memory);
@@ -65,7 +66,7 @@ void bind_errors(py::module_& module) {
     }
     py::register_exception_translator([](std::exception_ptr thrown) {
         try {
-            std::rethrow_exception(thrown);
+            std::rethrow_exception(std::move(thrown));
         } catch (const Error& error_thrown) {
             raise(error_thrown);
         }

@@ -167,7 +167,7 @@ inline Doubles8 native_widen(Floats16 v, bool second) noexcept {
 inline double native_abs(double v) noexcept { return __builtin_fabs(v); }
 template <class Vector>
 inline Vector native_abs(Vector v) noexcept {
-    using Bits = decltype(v > v);  // integers of the same width
+    using Bits = decltype(v > Vector{});  // integers of the same width
     return (Vector)((Bits)v & std::numeric_limits<std::remove_cvref_t<decltype(Bits{}[0])>>::max());
 }
 

@@ -127,7 +127,7 @@ public:
         Difference<V> pull;
         for (int first = 0; first < points.count; first += points.width) {
             const auto pulled = [&](int plate) noexcept {
-                const std::size_t j = static_cast<std::size_t>(first + plate);
+                const auto j = static_cast<std::size_t>(first) + static_cast<std::size_t>(plate);
                 const AxisPoint<W> place(points, first + plate);
                 const auto stretch = plate_stretch<W>(c_, kind.free_length, place, points.weight[j], points.damping[j], d, rate);
                 return plate_terms<W, Books>(place, points.weight[j], points.damping[j], stretch, plate_slide(c_, stretch));

@@ -219,13 +219,13 @@ template <int W>
 /// Product of the inverse with `blocks` vectors of N numbers, N apart, in place; sums in the order of the columns.
 template <int N, int blocks, int W>
 inline void multiply(const SmallInverse& inverse, Lanes<W>* f) noexcept {
-    constexpr int stride = padded(N);
-    std::array<Lanes<W>, blocks * N> product;
-    for (int row = 0; row < N; ++row) {
-        for (int block = 0; block < blocks; ++block) {
-            Lanes<W> total = f[block * N] * inverse.column[static_cast<std::size_t>(row)];
-            for (int k = 1; k < N; ++k) total += f[block * N + k] * inverse.column[static_cast<std::size_t>(k * stride + row)];
-            product[static_cast<std::size_t>(block * N + row)] = total;
+    constexpr std::size_t size = N, stride = padded(N);
+    std::array<Lanes<W>, blocks * size> product;
+    for (std::size_t row = 0; row < size; ++row) {
+        for (std::size_t block = 0; block < blocks; ++block) {
+            Lanes<W> total = f[block * size] * inverse.column[row];
+            for (std::size_t k = 1; k < size; ++k) total += f[block * size + k] * inverse.column[k * stride + row];
+            product[block * size + row] = total;
         }
     }
     std::memcpy(static_cast<void*>(f), product.data(), sizeof product);

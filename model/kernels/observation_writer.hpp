@@ -112,9 +112,9 @@ public:
         const auto& words = links.touches;
         const auto corner = static_cast<std::size_t>(number);
         const V shaft_x = shaft * c_.centre_distance;
-        const auto put = [&](double(LinkContact::*number)[tips_per_link], const V& lanes) {
+        const auto put = [&](double(LinkContact::*member)[tips_per_link], const V& lanes) {
             for (std::size_t lane = 0; lane < W; ++lane) {
-                if (words[lane] != 0) (contacts_[group + static_cast<int>(lane)].*number)[corner] = lanes[lane];
+                if (words[lane] != 0) (contacts_[group + static_cast<int>(lane)].*member)[corner] = lanes[lane];
             }
         };
         for (std::size_t lane = 0; lane < W; ++lane) {

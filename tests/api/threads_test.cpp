@@ -39,7 +39,7 @@ TEST(HostThreads, EightThreadsWithFourSimulationsEachGetTheSerialHash) {
     }
 }
 
-TEST(HostThreads, OthersReadASnapshotWhileItSteps) {
+TEST(HostSnapshot, IsReadByOthersWhileItSteps) {
     Simulation simulation(tiny());
     Snapshot gauges(simulation, {"run/steps", "shaft_1/angle", "links/tension"});
     ASSERT_EQ(gauges.size(), 3u + 24u);

@@ -153,7 +153,7 @@ struct Builder {
         RandomState result;
         for (const Real value : state) result.state.push_back(static_cast<double>(value));
         const std::vector<Real> rounded(result.state.begin(), result.state.end());
-        result.phases.assign(static_cast<std::size_t>(layout.links * model::tips_per_link), Phase::free);
+        result.phases.assign(static_cast<std::size_t>(layout.links) * model::tips_per_link, Phase::free);
         if (!has_pulleys()) return result;
         const System system = unpack(parameters, 0.0, rounded, {});
         if (layout.rigid) {

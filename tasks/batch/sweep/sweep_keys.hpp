@@ -74,7 +74,7 @@ public:
     /// An accuracy, as read_accuracy() takes it, or a number [1].
     [[nodiscard]] std::optional<double> share(std::string_view key) const;
     /// The key must be there.
-    bool require(std::string_view key) const;
+    [[nodiscard]] bool require(std::string_view key) const;
 
 private:
     template <class T>

@@ -43,6 +43,7 @@ TEST(WorkerGrant, GivesTheRequestedThreadsWithoutShortageAndTriesOnlyNewOnes) {
 }
 
 TEST(BareBarrier, TakesTimeAndIsGivenUpWhereAThreadKeepsTheCallerWaiting) {
+    EXPECT_GT(bare_barrier_cycle(2, 1e-3, 10.0), 0.0);  // the thread sanitizer's own thread comes with the first one
     const int before = test::thread_count();
     EXPECT_GT(bare_barrier_cycle(1, 1e-3, 1.0), 0.0);
     const double two = bare_barrier_cycle(2, 1e-3, 10.0);

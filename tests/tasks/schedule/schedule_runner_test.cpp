@@ -78,13 +78,14 @@ TEST(ScheduleRunner, ChangingTheScheduleEveryFewStepsDoesNotChangeTheBits) {
 }
 
 TEST(ScheduleRunner, BordersFollowTheLinksThatTouch) {
-    // The chain moves a pitch in 0.7 ms. Most numbers of segments leave the longest no shorter with other borders within 0.3 ms; nine do.
+    // The chain moves a pitch in 0.7 ms. Most numbers of segments leave the longest no shorter with other borders within 0.3 ms; nine do,
+    // but for vectors of two links, with which no number does within 0.8 ms.
     Scene scene = settled({"run.until=300 us", "run.output_interval=100 us", "run.state_interval=100 us"}, "baseline");
     const std::vector<Schedule> balanced{{parallel, {Assembly::fused}, 9, 2, true}};
     ChooserOptions options;
     options.window = 0.0;
     const RunnerOutcome moved = runner_outcome(scene, balanced, options);
-    EXPECT_GT(moved.repartitions, 0);
+    EXPECT_EQ(moved.repartitions > 0, model::lanes_of(model::chosen_isa()) > 2);
     EXPECT_EQ(moved.hash, runner_outcome(scene, {Schedule{}}, {}).hash);
 }
 
