@@ -74,7 +74,7 @@ ExitStatus export_csv(const ExportArguments& arguments) {
 }
 
 ExitStatus export_record(const ExportArguments& arguments) {
-    if (arguments.vtk.empty() == arguments.csv.empty()) throw UsageError("--csv FILE or --vtk FILE.pvd is required");
+    if (arguments.vtk.empty() == arguments.csv.empty()) throw UsageError("exactly one of --csv FILE and --vtk FILE.pvd is required");
     if (!arguments.csv.empty()) return export_csv(arguments);
     if (!arguments.channels.empty()) throw UsageError("channels require --csv");
     if (std::filesystem::path(arguments.vtk).extension() != ".pvd")
