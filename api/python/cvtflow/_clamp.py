@@ -1,5 +1,6 @@
 """`cvtflow clamp`: clamping forces of best efficiency at a margin of slip, over ratio and torque."""
 
+import itertools
 import math
 import time
 
@@ -11,7 +12,7 @@ from ._reduction import csv_text, efficiency
 from ._small import Small
 
 SHARES = (0.0, 0.4, 0.6, 0.75, 0.85, 0.92, 0.97)
-_CHECKED = 5  # points at most at which both clamping forces run
+_CHECKED = 5  # points at most at which both clamping forces run, at each level of detail
 
 
 class Rule:
@@ -65,23 +66,35 @@ def _picture(rows, name, speed):
     return _figures.picture(_figures.draw(panels, heading), "svg", "")
 
 
-def _confirmed(bench, machine, model, rows, speed, count):
-    """Lines that state both efficiencies at points of the table, by steady cases."""
-    if not count:
-        return
-    spread = [rows[k] for k in np.linspace(0, len(rows) - 1, count + 2).astype(int)[1:-1]]
-    points, thrust = [], []
-    for ratio, torque, best, _, today, *_rest in spread:
-        for force in (best, today):
-            points.append((ratio, torque / machine.limit(ratio, force), force, speed))
-            thrust.append(model.values_at(*points[-1])[0]["thrust"])
-    found = steady(bench, machine, "confirm", points, np.array(thrust), step=bench.shorter_step())
-    power = np.array([torque for _, torque, *_rest in spread]).repeat(2) * speed / found["ratio_mean"]
+def _spread(rows, count):
+    """Rows of the table, at equal distances: of those whose forces differ by a hundredth, else of all."""
+    some = [row for row in rows if abs(row[2] - row[4]) > 0.01 * row[4]] or rows
+    return [some[k] for k in np.linspace(0, len(some) - 1, count + 2).astype(int)[1:-1]]
+
+
+def _gains(bench, machine, model, rows, speed, level):
+    """Texts of what both forces of rows differ by in efficiency, by steady cases at a level of detail."""
+    forces = [(ratio, torque, force) for ratio, torque, best, _, today, *_rest in rows for force in (best, today)]
+    points = [(ratio, torque / machine.limit(ratio, force), force, speed) for ratio, torque, force in forces]
+    thrust = np.array([model.values_at(*each)[0]["thrust"] for each in points])
+    found = steady(bench, machine, f"confirm_{level}", points, thrust, bench.shorter_step() if level == bench.level else None, level)
+    power = np.array([torque for _, torque, _ in forces]) * speed / found["ratio_mean"]
     runs, good = power / (power + found["loss_total_mean"]), _good(found)
-    for k, (ratio, torque, best, _, today, after, before, decides) in enumerate(spread):
-        said = f"{100 * (runs[2 * k] - runs[2 * k + 1]):+.3f}" if good[2 * k:2 * k + 2].all() else "not steady"
+    return [f"{100 * (runs[k] - runs[k + 1]):+.3f} by {level}" if good[k:k + 2].all() else f"not steady by {level}"
+            for k in range(0, len(forces), 2)]
+
+
+def _confirmed(bench, machine, model, rows, speed, axes):
+    """Lines that state both efficiencies at points of the table, by the map and by runs at two levels of detail."""
+    counts = [(level, min(_CHECKED, axes[key])) for level, key in ((bench.level, "points"), ("fine", "fine")) if axes[key] > 0]
+    if not counts:
+        return
+    chosen = _spread(rows, max(count for _, count in counts))
+    gains = [_gains(bench, machine, model, chosen[:count], speed, level) for level, count in counts]
+    for (ratio, torque, best, _, today, after, before, decides), *runs in itertools.zip_longest(chosen, *gains):
         yield (f"  ratio {ratio:.2f}, {torque:5.0f} N*m: {best / 1e3:5.2f} kN instead of {today / 1e3:5.2f} kN ({decides}), efficiency "
-               f"{100 * after:.2f} instead of {100 * before:.2f} %: gain {100 * (after - before):+.3f} points, by runs {said}")
+               f"{100 * after:.2f} instead of {100 * before:.2f} %: gain "
+               + ", ".join([f"{100 * (after - before):+.3f} points", *filter(None, runs)]))
 
 
 def requested(request):
@@ -111,6 +124,6 @@ def requested(request):
              "  decided by " + ", ".join(f"{name} {decides.count(name)}" for name in ("efficiency", "slip", "range")),
              f"  gain {100 * np.median(gains):+.3f} points of efficiency in the median, {100 * gains.min():+.3f} to "
              f"{100 * gains.max():+.3f}",
-             *_confirmed(bench, machine, model, rows, speed, min(_CHECKED, axes["points"])),
+             *_confirmed(bench, machine, model, rows, speed, axes),
              f"written to {request['place']}: clamping.csv, clamping.svg, in {time.monotonic() - begin:.0f} s"]
     return ("\n".join(lines) + "\n").encode()
