@@ -134,7 +134,7 @@ typedef int (*cvtflow_output_function)(cvtflow_simulation* simulation, void* use
 typedef void (*cvtflow_log_function)(const char* line, void* user);
 typedef int (*cvtflow_transition_function)(cvtflow_simulation* simulation, const cvtflow_transition* transition, void* user);
 
-CVTFLOW_API const char* cvtflow_version(void);              /* "0.3.0" */
+CVTFLOW_API const char* cvtflow_version(void);              /* "0.4.0" */
 CVTFLOW_API const char* cvtflow_code_name(int32_t code);    /* "cancelled"; "unknown" for a number that is no code */
 CVTFLOW_API cvtflow_code cvtflow_shutdown(void);            /* ends worker threads; CVTFLOW_BUSY if others keep them alive */
 

@@ -1,6 +1,6 @@
 #pragma once
 /// Version of these headers. Semantic: a program built against 0.x runs with the same 0.x, one built against 1.x with every later 1.y.
-/// Before 1.0 the library's name carries the minor version (libcvtflow.so.0.3). The C interface is promised no less and no more. (Equality
+/// Before 1.0 the library's name carries the minor version (libcvtflow.so.0.4). The C interface is promised no less and no more. (Equality
 /// with the project's version is a test.)
 
 #include <string>
@@ -8,13 +8,13 @@
 #include <cvtflow/export.hpp>
 
 #define CVTFLOW_VERSION_MAJOR 0
-#define CVTFLOW_VERSION_MINOR 3
+#define CVTFLOW_VERSION_MINOR 4
 #define CVTFLOW_VERSION_PATCH 0
 
 namespace cvtflow {
 inline namespace v0 {
 
-/// Version of the loaded library: "0.3.0".
+/// Version of the loaded library: "0.4.0".
 [[nodiscard]] CVTFLOW_EXPORT std::string library_version();
 
 }  // namespace v0
