@@ -197,6 +197,11 @@ class Cases(unittest.TestCase):
                  "error_of_shaft_1_clamping_mean": 0.5 * error}
         self.assertEqual(_reduce._good(found).tolist(), expected.tolist())
 
+    def test_at_the_level_of_the_map_are_compared_once(self):
+        for level, expected in (("rigid", [("rigid", 40), ("fine", 10)]), ("fine", [("fine", 40)])):
+            compared = _reduce.Bench.compared(types.SimpleNamespace(level=level), {"points": 40, "fine": 10})
+            self.assertEqual(list(reversed(compared.items())), expected)
+
 
 class Fmus(unittest.TestCase):
     def test_run_in_fmpy(self):

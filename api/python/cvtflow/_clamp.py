@@ -86,7 +86,7 @@ def _gains(bench, machine, model, rows, speed, level):
 
 def _confirmed(bench, machine, model, rows, speed, axes):
     """Lines that state both efficiencies at points of the table, by the map and by runs at two levels of detail."""
-    counts = [(level, min(_CHECKED, axes[key])) for level, key in ((bench.level, "points"), ("fine", "fine")) if axes[key] > 0]
+    counts = [(level, min(_CHECKED, count)) for level, count in reversed(bench.compared(axes).items()) if count > 0]
     if not counts:
         return
     chosen = _spread(rows, max(count for _, count in counts))

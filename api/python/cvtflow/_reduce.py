@@ -166,6 +166,10 @@ class Bench:
         number, unit = re.search(r"step auto, ([\d.]+) (\w+) at the start", text).groups()
         return f"{0.6 * float(number):g} {unit}"
 
+    def compared(self, axes):
+        """How many points are compared, by level of detail: the map's and fine."""
+        return {"fine": axes["fine"], self.level: axes["points"]}
+
     def record(self, name, settings):
         """Runs a ready scene with settings into NAME.h5, where that is missing: it gets its name when the run has ended."""
         path = os.path.join(self.runs, f"{name}.h5")

@@ -215,8 +215,8 @@ def requested(request):
     model = small.load()
     errors = Errors()
     some = points(axes, lambda *point: model.values_at(*point)[0]["limit"], max(axes["points"], axes["fine"]))
-    measure_points(bench, machine, model, some[:axes["points"]], bench.level, errors)
-    measure_points(bench, machine, model, some[:axes["fine"]], "fine", errors)
+    for level, count in reversed(bench.compared(axes).items()):
+        measure_points(bench, machine, model, some[:count], level, errors)
     for name in COURSES if axes["courses"] else ():
         measure_course(bench, model, name, errors)
     safety = bench.scene["clamping.safety"] or SAFETY
