@@ -67,9 +67,9 @@ def _picture(rows, name, speed):
 
 
 def _spread(rows, count):
-    """Rows of the table, at equal distances: of those whose forces differ by a hundredth, else of all."""
+    """Rows of the table, at equal distances: of those whose forces differ by a hundredth, else of all; each once, so there can be fewer."""
     some = [row for row in rows if abs(row[2] - row[4]) > 0.01 * row[4]] or rows
-    return [some[k] for k in np.linspace(0, len(some) - 1, count + 2).astype(int)[1:-1]]
+    return [some[k] for k in np.unique(np.linspace(0, len(some) - 1, count + 2).astype(int)[1:-1])]
 
 
 def _gains(bench, machine, model, rows, speed, level):
@@ -80,13 +80,13 @@ def _gains(bench, machine, model, rows, speed, level):
     found = steady(bench, machine, f"confirm_{level}", points, thrust, bench.shorter_step() if level == bench.level else None, level)
     power = np.array([torque for _, torque, _ in forces]) * speed / found["ratio_mean"]
     runs, good = power / (power + found["loss_total_mean"]), _good(found)
-    return [f"{100 * (runs[k] - runs[k + 1]):+.3f} by {level}" if good[k:k + 2].all() else f"not steady by {level}"
+    return [f"{100 * (runs[k] - runs[k + 1]):+.3f} at {level}" if good[k:k + 2].all() else f"not steady at {level}"
             for k in range(0, len(forces), 2)]
 
 
 def _confirmed(bench, machine, model, rows, speed, axes):
     """Lines that state both efficiencies at points of the table, by the map and by runs at two levels of detail."""
-    counts = [(level, min(_CHECKED, count)) for level, count in reversed(bench.compared(axes).items()) if count > 0]
+    counts = [(level, min(_CHECKED, count)) for level, count in bench.compared(axes) if count > 0]
     if not counts:
         return
     chosen = _spread(rows, max(count for _, count in counts))
@@ -94,7 +94,7 @@ def _confirmed(bench, machine, model, rows, speed, axes):
     for (ratio, torque, best, _, today, after, before, decides), *runs in itertools.zip_longest(chosen, *gains):
         yield (f"  ratio {ratio:.2f}, {torque:5.0f} N*m: {best / 1e3:5.2f} kN instead of {today / 1e3:5.2f} kN ({decides}), efficiency "
                f"{100 * after:.2f} instead of {100 * before:.2f} %: gain "
-               + ", ".join([f"{100 * (after - before):+.3f} points", *filter(None, runs)]))
+               + ", ".join([f"{100 * (after - before):+.3f} points by the map", *filter(None, runs)]))
 
 
 def requested(request):

@@ -167,8 +167,8 @@ class Bench:
         return f"{0.6 * float(number):g} {unit}"
 
     def compared(self, axes):
-        """How many points are compared, by level of detail: the map's and fine."""
-        return {"fine": axes["fine"], self.level: axes["points"]}
+        """Levels of detail at which points are compared, each with their number: the map's, and fine where that is another."""
+        return [(self.level, axes["points"])] + [("fine", axes["fine"])] * (self.level != "fine")
 
     def record(self, name, settings):
         """Runs a ready scene with settings into NAME.h5, where that is missing: it gets its name when the run has ended."""

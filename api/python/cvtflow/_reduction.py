@@ -215,7 +215,7 @@ def requested(request):
     model = small.load()
     errors = Errors()
     some = points(axes, lambda *point: model.values_at(*point)[0]["limit"], max(axes["points"], axes["fine"]))
-    for level, count in reversed(bench.compared(axes).items()):
+    for level, count in bench.compared(axes):
         measure_points(bench, machine, model, some[:count], level, errors)
     for name in COURSES if axes["courses"] else ():
         measure_course(bench, model, name, errors)
