@@ -12,7 +12,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from page import TOP, page, pages
+from page import TOP, Page, page, pages
 
 BUILD = Path(os.environ.get("CVTFLOW_BUILD", TOP / "build"))
 PYTHON = re.search("Python3_EXECUTABLE:FILEPATH=(.*)", (BUILD / "CMakeCache.txt").read_text() + "\nPython3_EXECUTABLE:FILEPATH=python3")[1]
@@ -20,11 +20,19 @@ DEEP = os.environ.get("CVTFLOW_TEST_DEPTH") == "deep"
 CHOSEN = [word for word in sys.argv[1:] if word.endswith(".md")]
 
 
+def written_pages():
+    """The reference of the Python package: fails where a public name has no text."""
+    command = [PYTHON, TOP / "tools/documents/python_reference"]
+    environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
+    return [Page("docs/python_reference.md", subprocess.run(command, env=environment, check=True, stdout=subprocess.PIPE, text=True).stdout)
+            ] if (BUILD / "python").exists() else []
+
+
 class PageCommands(unittest.TestCase):
     nightly = False
 
     def test_run(self):
-        for each in pages():
+        for each in [*pages(), *written_pages()]:
             if not CHOSEN or each.path in CHOSEN:
                 with self.subTest(each.path), tempfile.TemporaryDirectory(prefix="cvtflow_docs_") as folder:
                     for part in ("api", "bench", "docs", "scenes", "tools", "tests"):  # named as on the page

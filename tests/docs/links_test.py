@@ -27,7 +27,6 @@ class Links(unittest.TestCase):
                     wrong.append(f"{each.path}: {link}")
         self.assertEqual(wrong, [])
         self.assertGreater(followed, 50)
-        self.assertIn("scene_reference.md#files-of-sweeps", page("docs/sweeps.md").links())
 
     def test_headings_are_reached_as_on_the_web(self):
         sample = Page("sample.md", "# Was it `auto`? Yes, 5 %\n```sh\n# no heading\n```\n## 59. What detail decides\n")
@@ -39,9 +38,7 @@ class Pages(unittest.TestCase):
         self.assertLessEqual(page("README.md").text.count("\n"), 100)
 
     def test_lines_end_at_140_columns(self):
-        """Pages written by tools apart: rows of tables cannot be folded."""
-        self.assertEqual([f"{each.path}:{number}" for each in pages() if not each.path.endswith("_reference.md")
-                          for number, line in each.text_lines() if len(line) > 140], [])
+        self.assertEqual([f"{each.path}:{number}" for each in pages() for number, line in each.text_lines() if len(line) > 140], [])
 
     def test_every_page_is_reached_from_the_index(self):
         reached = {target_of(path, link) for path in ("docs/index.md", "docs/decisions/README.md") for link in page(path).links()}
@@ -52,8 +49,8 @@ class Pages(unittest.TestCase):
         index = [target_of("docs/index.md", link) for link in page("docs/index.md").links()]
         index = ["/" + path.rpartition(".")[0] for path in index if re.match("docs/(?!decisions/)", path)]
         contents = (TOP / "docs/site/contents.rst").read_text(encoding="utf-8").splitlines()
-        site = [line.lstrip(" ") for line in contents if re.match(" */docs/(?!decisions/)", line) and line.strip() != "/docs/index"]
-        self.assertGreaterEqual(len(index), 20)
+        site = [line.lstrip(" ") for line in contents if re.match(" */docs/(?!decisions/|.*_reference$)", line) and line.strip() != "/docs/index"]
+        self.assertGreaterEqual(len(index), 10)
         self.assertEqual(index, site)
 
 
