@@ -1,4 +1,4 @@
-"""Rules of includes, and of the places that may name threads and third parties.
+"""Rules of includes, and of the places that may name threads and third parties; symbols of the kernels; one version everywhere.
 
     model  → std                                              bench, tests → everything; tools → all but bench and tests
     engine → std, POSIX, fmt (.cpp), HDF5 in engine/record (.cpp), oneTBB and OpenMP in engine/executor and engine/thread (.cpp)
@@ -10,13 +10,22 @@ A header that includes a third party, itself or through another one, is private:
 folders, say) and tests include it. Rooms of a part stand on floors: includes point downwards, and never in a circle.
 """
 
-from source_tree import Rules, code_only, includes_of, main, source_files
+import functools
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from typing import NamedTuple
 
+TOP = Path(__file__).resolve().parents[2]
+FOLDERS = ("model", "engine", "tasks", "api", "tools", "bench", "examples", "tests")
 # Parts of this project that a part may include.
 FRIENDS = {"model": {"model"}, "engine": {"engine"}, "tasks": {"model", "engine", "tasks"}, "api": {"model", "engine", "tasks", "api"}}
 THREAD_HEADERS = {"atomic", "barrier", "condition_variable", "future", "latch", "mutex", "semaphore", "shared_mutex", "stop_token",
-                  "thread",
-                  "pthread.h"}
+                  "thread", "pthread.h"}
 SYSTEM_HEADERS = {"dlfcn.h", "fcntl.h", "poll.h", "pthread.h", "sched.h", "unistd.h", "windows.h", "immintrin.h"}  # ship with the compiler
 # Floors of a part's rooms, the ground floor first; what stands on one floor does not know its neighbours.
 FLOORS = {
@@ -24,6 +33,39 @@ FLOORS = {
     "engine": ["base", "graph event thread", "method executor record", "alone"],
     "tasks": ["step", "method", "channel", "scene", "schedule sizing", "run", "batch", "tuning"],
 }
+
+
+class SourceFile(NamedTuple):
+    path: str  # relative to the top level, with slashes
+    text: str
+
+    @property
+    def header(self):
+        return self.path.endswith(".hpp")
+
+    @property
+    def part(self):
+        """Folder of the top level: "model", "engine" …"""
+        return self.path.partition("/")[0]
+
+
+class Include(NamedTuple):
+    line: int
+    name: str
+    quoted: bool
+
+
+@functools.cache
+def source_files():
+    """All .cpp and .hpp files below the source folders, ascending by path."""
+    paths = [path for folder in FOLDERS for path in (TOP / folder).rglob("*.[ch]pp")]
+    return sorted(SourceFile(path.relative_to(TOP).as_posix(), path.read_text(encoding="utf-8")) for path in paths)
+
+
+def includes_of(text):
+    found = re.compile(r"\s*#\s*include\s*([<\"])([^>\"]+)[>\"]")
+    matches = ((number, found.match(line)) for number, line in enumerate(text.split("\n"), 1))
+    return [Include(number, match[2], match[1] == '"') for number, match in matches if match]
 
 
 def third_party(name):
@@ -71,6 +113,13 @@ def private_headers():
     return hidden
 
 
+class Rules(unittest.TestCase):
+    """Tests that name every place where a rule is broken, up to a screen of them."""
+
+    def none(self, places):
+        self.assertEqual(list(places)[:40], [])
+
+
 class IncludeRule(Rules):
     def test_parts_include_only_their_friends(self):
         self.none(where for file, include, where in included(LIBRARY)
@@ -114,16 +163,71 @@ class IncludeRule(Rules):
     def test_threads_live_in_two_rooms(self):
         others = [file for file in LIBRARY if not file.path.startswith(("engine/executor/", "engine/thread/"))]
         self.none(where for _, include, where in included(others) if include.name in THREAD_HEADERS)
-        self.none(file.path for file in others if "thread_local" in code_only(file.text) or "#pragma omp" in file.text)
+        self.none(file.path for file in others if re.search(r"^[^/\"\n]*\bthread_local\b|#pragma omp", file.text, re.MULTILINE))
 
     def test_headers_guard_themselves(self):
         self.none(file.path for file in source_files() if file.header and not file.text.startswith("#pragma once\n"))
 
-    def test_third_parties_are_recognised(self):
-        for name, party in (("vector", ""), ("unistd.h", ""), ("sys/stat.h", ""), ("Eigen/Dense", "Eigen"), ("hdf5_hl.h", "HDF5"),
-                            ("oneapi/tbb/flow_graph.h", "oneTBB"), ("omp.h", "OpenMP"), ("fmt/format.h", "fmt")):
-            self.assertEqual(third_party(name), party, name)
+
+class Release(Rules):
+    """One version everywhere: tools/release compares, and writes, here into copies of its files."""
+
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        for part in ("CMakeLists.txt", "CITATION.cff", "debian", "api/include", "api/install/cvtflow-config.cmake.in", "docs/embedding.md",
+                     "examples/CMakeLists.txt", "tests/api/consumer", "tools/release"):
+            (self.folder / part).parent.mkdir(parents=True, exist_ok=True)
+            (shutil.copytree if (TOP / part).is_dir() else shutil.copy)(TOP / part, self.folder / part)
+
+    def release(self, *arguments):
+        done = subprocess.run([self.folder / "tools/release", *arguments], capture_output=True, text=True)
+        return done.returncode, done.stdout + done.stderr
+
+    def test_every_place_states_the_version_of_the_project_and_one_with_another_is_named(self):
+        self.assertEqual(self.release()[0], 0)
+        for stated, named in (("version: 0.0.9", "0.0.9"), ("no version", "nothing")):
+            (self.folder / "CITATION.cff").write_text(stated + "\n")
+            status, text = self.release()
+            self.assertEqual((status, text.startswith(f"CITATION.cff: {named}, not ")), (1, True), text)
+
+    def test_a_new_version_is_written_into_all_of_them(self):
+        self.assertEqual(self.release("12.34.56"), (0, "12.34.56\n"))
+        self.assertEqual(self.release()[0], 0)
+        for file, words in (("CMakeLists.txt", r"project\(cvtflow VERSION 12.34.56 "), ("debian/changelog", r"\Acvtflow \(12.34.56\) "
+                                                                                                            r"unstable"),
+                            ("api/include/cvtflow/version.hpp", "VERSION_MINOR 34\n")):
+            self.assertRegex((self.folder / file).read_text(), words)
+        self.assertEqual(self.release("12.34")[0], 2, "three numbers")
+
+
+@unittest.skipUnless("CVTFLOW_NM" in os.environ, "sanitizers add symbols")
+class DeepKernelSymbols(Rules):
+    """The kernels are compiled once per instruction set. A function that two of these copies define under one name is shared by the linker,
+    which may then put AVX-512 code where the baseline's is meant: on an older processor that is an illegal instruction, on none a test
+    fails."""
+
+    def entries(self, objects):
+        """Functions that the kernels below a folder of objects show; none is a symbol that the linker merges."""
+        files = [str(file) for folder in Path(objects).glob("cvtflow_kernels_*") for file in folder.rglob("*.o")]
+        shown = subprocess.run([os.environ["CVTFLOW_NM"], "-A", "-C", "--defined-only", *files], capture_output=True, text=True).stdout
+        symbols = re.findall(r"^(.*\.o):[0-9a-f]+ (\w) (.*)$", shown, re.MULTILINE)
+        # DW.ref: the address of a run-time function, the same in every copy.
+        self.none(f"{file}: {name}" for file, kind, name in symbols if kind in "WVu" and not name.startswith("DW.ref."))
+        return len([kind for _, kind, _ in symbols if kind == "T"])
+
+    def test_none_is_shared_between_instruction_sets(self):
+        objects = Path(os.environ["CVTFLOW_BUILD"])
+        self.assertGreaterEqual(self.entries(objects / "CMakeFiles"), 5)  # chain, friction, single and rigid kernels of one set at least
+        self.assertGreaterEqual(self.entries(objects / "bench/staged/CMakeFiles"), 1)  # staged_kernels of the laboratory
+
+    def test_no_multiply_add_is_fused_in_the_library(self):
+        """One here and not there would make bits depend on instruction sets and on how sources are grouped; GCC 12 makes some in spite of
+        -ffp-contract=off."""
+        words = [os.environ["CVTFLOW_OBJDUMP"], "-d", "--no-show-raw-insn", os.environ["CVTFLOW_LIBRARY"]]
+        code = subprocess.run(words, capture_output=True, text=True).stdout
+        self.none(re.findall(r".*\t(?:vfm|vfnm).*", code))
+        self.assertGreater(code.count("\n"), 100000)
 
 
 if __name__ == "__main__":
-    main()
+    unittest.main()
