@@ -1,6 +1,7 @@
 """Links between pages lead to files and headings that exist; decisions and their numbers agree; every block runs, is written, or says why
-not."""
+not; quoted steps are those of the source, and every nightly suite has its night."""
 
+import collections
 import os
 import re
 import unittest
@@ -53,6 +54,24 @@ class Pages(unittest.TestCase):
         self.assertGreaterEqual(len(index), 10)
         self.assertEqual(index, site)
 
+    def test_architecture_shows_steps_as_they_stand_in_the_source(self):
+        for name, function in (("sweep", "SweepLeapfrog"), ("rigid", "RigidLeapfrog")):
+            source = (TOP / f"tasks/method/friction/{name}_leapfrog.cpp").read_text(encoding="utf-8")
+            begin = source.index(f"CycleSequence {function}::step() {{")
+            block = source[begin:source.index("\n}\n", begin) + 2].replace("\n", "\n    ")
+            self.assertIn(f"    {block}\n", page("ARCHITECTURE.md").text)
+
+
+class Nights(unittest.TestCase):
+    def test_have_every_suite_once(self):
+        script = (TOP / ".ci/run").read_text(encoding="utf-8")
+        listed = collections.Counter(name for names in re.findall(r"^[a-z]+\+?='\|?(\w+(?:\|\w+)*)'", script, re.MULTILINE)
+                                     for name in names.split("|"))
+        written = collections.Counter()
+        for path in [path for ending in ("cpp", "py") for path in (TOP / "tests").rglob(f"*_test.{ending}")]:
+            written.update(set(re.findall(r"^(?:TEST(?:_[FP])?\(|class )Nightly(\w+)[,(]", path.read_text(encoding="utf-8"), re.MULTILINE)))
+        self.assertEqual(listed, written)
+
 
 class Decisions(unittest.TestCase):
     @classmethod
@@ -88,7 +107,7 @@ class Blocks(unittest.TestCase):
         indented = []
         for each in pages():
             before = ""
-            for number, line in each.text_lines() if each.path != "ARCHITECTURE.md" else []:  # which shows sources (ArchitecturePage)
+            for number, line in each.text_lines() if each.path != "ARCHITECTURE.md" else []:  # which shows sources
                 indented += [f"{each.path}:{number}"] if line.startswith("    ") and not before else []
                 before = line
         self.assertEqual(indented, [])

@@ -75,9 +75,3 @@ def pages():
 
 def page(path):
     return next(each for each in pages() if each.path == path)
-
-
-def avoided_words(glossary):
-    """Words in italics in the third column of a table `| word | means | not |`."""
-    table = re.search(r"^\| word \| means \| not \|\n((?:\|.*\n)*)", glossary.text, re.MULTILINE)[1]
-    return [word for row in table.splitlines() for word in re.findall(r"\*([^*]+)\*", row.split("|")[3])]
