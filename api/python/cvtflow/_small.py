@@ -34,13 +34,13 @@ VARIABLES = [
     ("EFFICIENCY", "efficiency", "1", "output", None, "power out over power in; 0 without load"),
     ("SHAFT_1_SPEED", "shaft_1.speed", "rad/s", "output", None, "speed of shaft 1"),
     ("SHAFT_2_SPEED", "shaft_2.speed", "rad/s", "output", None, "speed of shaft 2"),
-    ("DRIVE_TORQUE", "shaft_1.torque", "N.m", "output", None, "torque that the chain takes from shaft 1"),
+    ("DRIVE_TORQUE", "shaft_1.torque", "N.m", "output", None, "torque that the chain takes from shaft 1, mean over the last 1 ms"),
     ("LIMIT_2", "shaft_2.torque_limit", "N.m", "output", None, "largest steady load of the map at this clamping force"),
     ("APPLIED", "clamping_applied", "N", "output", None, "clamping force of shaft 1"),
     ("CLAMPING_BALANCE", "clamping_balance", "N", "output", None, "clamping force of shaft 1 that would keep the ratio"),
     ("TIGHT_TENSION", "tight_tension", "N", "output", None, "tension of the tight strand"),
     ("SLACK_TENSION", "slack_tension", "N", "output", None, "tension of the slack strand"),
-    ("LOSSES", "loss", "W", "output", None, "power of all losses of the chain"),
+    ("LOSSES", "loss", "W", "output", None, "power of all losses of the chain, mean over the last 1 ms"),
     ("TIP_LOSSES", "loss_tips", "W", "output", None, "power that the tips lose"),
     ("OUTSIDE", "outside", "1", "output", None, "sum of what is outside the map, whose edge counts: 1 ratio, 2 load, 4 clamping, 8 speed"),
     ("TIME", "time", "s", "independent", None, "time"),
@@ -204,10 +204,11 @@ class Model:
 
     def advance(self, length):
         """Advances by a time [s], in steps of 1 ms."""
-        self._code.reduced_advance(self._made, length)
+        if self._code.reduced_advance(self._made, length):
+            raise ValueError(f"a step of {length} s")
 
     def values_at(self, ratio, share, clamping, speed):
         """Values of the map by name, and what is outside."""
-        made = (ctypes.c_double * len(VALUES))()
+        made = (ctypes.c_double * (len(VALUES) + 1))()  # and the slope of slip
         outside = self._code.reduced_values_at(math.log(ratio), share, math.log(clamping), speed, made)
         return dict(zip(VALUES, made)), outside

@@ -1,8 +1,9 @@
 /* A variator as a map of steady points and a shift law: ISO C99. FMI is 2 or 3; 0: the functions without a standard.
    map.h has the axes, one row of VALUES numbers for each of their points, the names and start values of all variables.
 
-   The ratio i = omega_1/omega_2 (1 - slip) is a state: d ln i/dt = -C omega_1 (S_1 - S_1*)/S_2. The speed of shaft 1 is one as well where
-   its torque is given. Where shaft 2 drives, both pulleys change places. */
+   States are the ratio i = omega_1/omega_2 (1 - slip) of the pins, with d ln i/dt = -C omega_1 (S_1 - S_1*)/S_2, and the speeds of both
+   shafts. Each step keeps the energy: work of both shafts, losses and kinetic energies balance. Where shaft 2 drives, both pulleys change
+   places. */
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -13,15 +14,18 @@
 
 enum { THRUST, SLIP, LOSS, SHIFT, MOVING, TIPS = MOVING, TIGHT, SLACK, LIMIT }; /* MOVING: those that a step needs */
 
+enum { OK, WARNING, DISCARD, ERROR };
+
 typedef struct {
     double of, log;
 } Logarithm;
 
 typedef struct {
-    double v[COUNT];                    /* variables by reference, time first */
-    Logarithm ratio_log, force_log;     /* the last ones */
-    double ratio, speed;                /* states: i, omega_1 */
-    double turn, slowing, loss, before; /* d ln i/dt, d omega_2/dt, torque of the losses on shaft 1, omega_1 before */
+    double v[COUNT];                   /* variables by reference, time first */
+    Logarithm ratio_log, force_log;    /* the last ones */
+    double ratio, speed, second;       /* states: i, omega_1, omega_2 */
+    double turn, slowing, loss, slope; /* d ln i/dt, d omega_2/dt, torque of the losses on shaft 1, d slip/d load */
+    double middle, power, lost;        /* means over the last step: omega_1, power to shaft 2, losses */
     int known;
 } Reduced;
 
@@ -33,7 +37,7 @@ static double logarithm(Logarithm* last, double x) {
 /* The cell of x on an axis (n points, n - 1 inverse distances) and the place in it; sets the flag where x is outside. */
 static int cell(const double* axis, int n, double x, double* place, int flag, int* outside) {
     int k = 0;
-    const double rounding = 1e-9 * (axis[n - 1] - axis[0]);
+    const double rounding = 1e-6 * (axis[n - 1] - axis[0]);
     if (!(x >= axis[0] - rounding && x <= axis[n - 1] + rounding)) *outside |= flag;
     x = x > axis[0] ? (x < axis[n - 1] ? x : axis[n - 1]) : axis[0];
     while (k < n - 2 && x > axis[k + 1]) ++k;
@@ -42,7 +46,7 @@ static int cell(const double* axis, int n, double x, double* place, int flag, in
 }
 
 /* Values at ln i, share of the torque limit, S_2 and speed of the driving shaft; multilinear. Returns what is outside: 1 ratio, 2 load,
-   4 clamping, 8 speed. count: of values */
+   4 clamping, 8 speed. count: of values; out has one more, the slope of slip over the share */
 static inline int values_at(double log_ratio, double share, double log_clamping, double speed, double* out, int count) {
     double a, b, c, d, near[8], far[8];
     const double* row[8];
@@ -65,7 +69,9 @@ static inline int values_at(double log_ratio, double share, double log_clamping,
         out[n] = even;
         out[n + 1] = odd;
     }
-    if (count == VALUES && share > out[LIMIT]) outside |= 2;
+    for (corner = 0, out[count] = 0.0; corner < 8; ++corner)
+        out[count] += (near[corner] + far[corner]) * (row[corner][VALUES + SLIP] - row[corner][SLIP]) * load_axis[LOADS + j];
+    if (count == VALUES && share > out[LIMIT] + 1e-6) outside |= 2;
     return outside;
 }
 
@@ -77,14 +83,15 @@ static double torque_limit(double log_ratio, double clamping) {
     return clamping * ((1.0 - place) * limit_per_force[k] + place * limit_per_force[k + 1]);
 }
 
-/* d ln i/dt at the present state and inputs; all: outputs as well. */
+/* d ln i/dt at the present state and inputs. all: 1: outputs as well; 2: those of energy for this instant, not for the last step. */
 static void evaluate(Reduced* m, int all) {
     double* v = m->v;
-    double out[VALUES], law, ln, place;
-    const double i = m->ratio, speed = m->speed, second = speed / i, load = v[TORQUE_2] + v[INERTIA_2] * m->slowing;
+    double out[VALUES + 1], law, ln, place;
+    const double i = m->ratio, speed = m->speed, turns = (1.0 - v[SLIP_OUT]) / i, second = speed * turns;
+    const double load = v[TORQUE_2] + v[INERTIA_2] * m->slowing;
     const int back = load < 0.0; /* shaft 2 drives */
     double first = v[SHIFT_MODE] == 0.0 ? v[CLAMPING_1] : m->known < 0 ? v[CLAMPING_2] : v[APPLIED], limit;
-    double driven = back ? first : v[CLAMPING_2], torque = back ? -load / i - m->loss : load;
+    double driven = back ? first : v[CLAMPING_2], torque = back ? -load * turns - m->loss : load;
     int outside;
     if (!(driven > 1.0)) driven = 1.0;
     if (!(torque > 0.0)) torque = 0.0;
@@ -103,60 +110,77 @@ static void evaluate(Reduced* m, int all) {
     }
     m->turn = back ? law * (v[CLAMPING_2] / driven - out[THRUST]) : -law * (first / driven - out[THRUST]);
     v[APPLIED] = first;
-    m->loss = out[LOSS] * driven * (back ? second / speed : 1.0); /* on shaft 1 */
+    m->loss = out[LOSS] * driven * (back ? turns : 1.0); /* on shaft 1 */
+    m->slope = out[all ? VALUES : MOVING] / limit * (back ? turns : 1.0);
+    if (!(m->slope > 0.0)) m->slope = 0.0;
     v[SLIP_OUT] = back ? -out[SLIP] / (1.0 - out[SLIP]) : out[SLIP];
     if (!all) return;
-    v[RATIO] = i / (1.0 - v[SLIP_OUT]);
+    if (all == 2) m->middle = speed, m->power = load * m->second, m->lost = m->loss * speed;
+    v[RATIO] = speed / m->second;
     v[SHAFT_1_SPEED] = speed;
-    v[SHAFT_2_SPEED] = speed / v[RATIO];
-    v[LOSSES] = m->loss * speed;
+    v[SHAFT_2_SPEED] = m->second;
+    v[LOSSES] = m->lost;
     v[TIP_LOSSES] = out[TIPS] * driven * (back ? second : speed);
     v[TIGHT_TENSION] = out[TIGHT] * driven;
     v[SLACK_TENSION] = out[SLACK] * driven;
     v[CLAMPING_BALANCE] = back ? v[CLAMPING_2] / out[THRUST] : v[CLAMPING_2] * out[THRUST];
     v[LIMIT_2] = (back ? i : 1.0) * out[LIMIT] * limit;
-    v[DRIVE_TORQUE] = load / i + m->loss;
-    v[EFFICIENCY] = back ? (load / i + m->loss < 0.0 ? 1.0 - v[LOSSES] / (-load * second) : 0.0)
-                         : (load > 0.0 ? 1.0 - v[LOSSES] / (load * second + v[LOSSES]) : 0.0);
+    v[DRIVE_TORQUE] = (m->power + m->lost) / m->middle;
+    v[EFFICIENCY] = m->power > 0.0 ? m->power / (m->power + m->lost) : m->power < -m->lost ? (m->power + m->lost) / m->power : 0.0;
     v[OUTSIDE] = outside;
     m->known = 1;
 }
 
+static double above_one(double speed) { return speed > 1.0 ? speed : 1.0; } /* a shaft that stands is outside the map */
+
+/* The new speeds x and y solve y = x (1 - slip)/i, with slip linear in the load L = torque_2 + J_2 (y - b)/h, and, where it is not given,
+   J_1 (x - a)/h = torque_1 - T; the chain's torque T follows from T (a + x) = L (b + y) + loss. */
 static void advance_one(Reduced* m, double h) {
     double* v = m->v;
-    double rise;
-    if (v[DRIVE_MODE] == 0.0) m->speed = v[SPEED_1] > 1.0 ? v[SPEED_1] : 1.0; /* a shaft that stands is outside the map */
+    const double a = m->speed, b = m->second, first = v[INERTIA_1] / h, inertia = v[INERTIA_2] / h;
+    double x = a, y, load, stiff, free, turns, slope;
+    int k;
+    if (v[DRIVE_MODE] == 0.0) x = m->speed = above_one(v[SPEED_1]);
     if (m->known <= 0) evaluate(m, 0);
-    if (v[DRIVE_MODE] != 0.0) {
-        const double inertia = v[INERTIA_1] + v[INERTIA_2] / (m->ratio * m->ratio);
-        rise = (v[TORQUE_1] - v[TORQUE_2] / m->ratio - m->loss + v[INERTIA_2] * m->speed * m->turn / (m->ratio * m->ratio)) / inertia;
-        m->speed += h * rise;
-        if (!(m->speed > 1.0)) m->speed = 1.0;
-    } else {
-        rise = (m->speed - m->before) / h;
-    }
-    m->before = m->speed;
-    m->slowing = (rise - m->speed * m->turn) / m->ratio;
     m->ratio *= 1.0 + h * m->turn * (1.0 + 0.5 * h * m->turn); /* exp(), with two terms */
     m->ratio = m->ratio > ratio_ends[0] ? (m->ratio < ratio_ends[1] ? m->ratio : ratio_ends[1]) : ratio_ends[0];
+    stiff = m->slope * inertia;
+    free = 1.0 - v[SLIP_OUT] + m->slope * v[INERTIA_2] * m->slowing + stiff * b;
+    for (k = 0;; ++k) { /* Newton's method */
+        y = x * free / (m->ratio + x * stiff);
+        load = v[TORQUE_2] + inertia * (y - b);
+        turns = (b + y) / (a + x);
+        if (v[DRIVE_MODE] == 0.0 || k == 3) break;
+        slope = ((inertia * (b + y) + load) * m->ratio / (m->ratio + x * stiff) * y / x - load * turns) / (a + x);
+        x = above_one(x - (first * (x - a) + load * turns + m->loss - v[TORQUE_1]) / (first + slope));
+    }
+    m->speed = x;
+    m->second = y;
+    m->slowing = (y - b) / h;
+    m->middle = 0.5 * (a + x);
+    m->power = 0.5 * load * (b + y);
+    m->lost = m->loss * m->middle;
     m->known = 0;
 }
 
 /* In steps of 1 ms at most. */
-static void advance(Reduced* m, double length) {
+static int advance(Reduced* m, double length) {
     const double count = ceil(length / 1e-3 - 1e-6);
-    long k;
-    const long steps = count > 1.0 ? (long)count : 1;
-    if (length <= 0.0) return;
+    long k, steps;
+    if (!(length >= 0.0 && length < 1e6)) return ERROR;
+    if (length == 0.0) return OK;
+    steps = count > 1.0 ? (long)count : 1;
     for (k = 0; k < steps; ++k) advance_one(m, length / (double)steps);
     evaluate(m, 1);
     m->v[TIME] += length;
+    return OK;
 }
 
 static void begin(Reduced* m) {
     memcpy(m->v, start_values, sizeof start_values);
     m->ratio = m->v[RATIO_START];
-    m->speed = m->before = m->v[SPEED_1];
+    m->speed = m->v[SPEED_1];
+    m->second = m->speed / m->ratio;
     m->turn = m->slowing = m->loss = 0.0;
     m->known = -1;
     m->ratio_log.of = m->force_log.of = 0.0;
@@ -165,10 +189,12 @@ static void begin(Reduced* m) {
 /* State from the start values; three times, since slip and losses are inputs of themselves. */
 static void initialise(Reduced* m) {
     int k;
-    m->before = m->speed = m->v[SPEED_1] > 1.0 ? m->v[SPEED_1] : 1.0;
+    m->speed = above_one(m->v[SPEED_1]);
+    m->second = m->speed / m->v[RATIO_START];
+    m->slowing = 0.0;
     for (k = 0; k < 3; ++k) {
         m->ratio = m->v[RATIO_START] * (1.0 - m->v[SLIP_OUT]);
-        evaluate(m, 1);
+        evaluate(m, 2);
     }
 }
 
@@ -184,11 +210,9 @@ static Reduced* create(void) {
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { OK, WARNING, DISCARD, ERROR };
-
 static int get(Reduced* m, const unsigned* r, size_t n, double* values) {
     size_t k;
-    if (m->known <= 0) evaluate(m, 1);
+    if (m->known <= 0) evaluate(m, 2);
     for (k = 0; k < n; ++k) {
         if (r[k] >= COUNT) return ERROR;
         values[k] = m->v[r[k]];
@@ -199,7 +223,7 @@ static int get(Reduced* m, const unsigned* r, size_t n, double* values) {
 static int set(Reduced* m, const unsigned* r, size_t n, const double* values) {
     size_t k;
     for (k = 0; k < n; ++k) {
-        if (r[k] >= SETTABLE || !isfinite(values[k])) return ERROR;
+        if (r[k] >= SETTABLE || !(fabs(values[k]) < 1e30)) return ERROR;
         m->v[r[k]] = values[k];
     }
     if (m->known > 0) m->known = 0;
@@ -212,7 +236,7 @@ EXPORT void reduced_free(Reduced* m) { free(m); }
 EXPORT void reduced_initialise(Reduced* m) { initialise(m); }
 EXPORT int reduced_get(Reduced* m, const unsigned* r, size_t n, double* values) { return get(m, r, n, values); }
 EXPORT int reduced_set(Reduced* m, const unsigned* r, size_t n, const double* values) { return set(m, r, n, values); }
-EXPORT void reduced_advance(Reduced* m, double length) { advance(m, length); }
+EXPORT int reduced_advance(Reduced* m, double length) { return advance(m, length); }
 EXPORT int reduced_values_at(double log_ratio, double share, double log_clamping, double speed, double* out) {
     return values_at(log_ratio, share, log_clamping, speed, out, VALUES);
 }
@@ -238,8 +262,7 @@ EXPORT int fmi2GetReal(void* m, const unsigned* r, size_t n, double* values) { r
 EXPORT int fmi2SetReal(void* m, const unsigned* r, size_t n, const double* values) { return set(m, r, n, values); }
 EXPORT int fmi2DoStep(void* m, double at, double length, int kept) {
     (void)at, (void)kept;
-    advance(m, length);
-    return OK;
+    return advance(m, length);
 }
 EXPORT int fmi2SetDebugLogging(void* m, int on, size_t n, const Text* categories) {
     return (void)m, (void)on, (void)n, (void)categories, OK;
@@ -287,11 +310,11 @@ EXPORT int fmi3SetFloat64(void* m, const unsigned* r, size_t n, const double* va
     return count == n ? set(m, r, n, values) : ERROR;
 }
 EXPORT int fmi3DoStep(void* m, double at, double length, bool kept, bool* event, bool* ends, bool* early, double* last) {
+    const int made = advance(m, length);
     (void)at, (void)kept;
-    advance(m, length);
     *event = *ends = *early = false;
     *last = ((Reduced*)m)->v[TIME];
-    return OK;
+    return made;
 }
 EXPORT int fmi3SetDebugLogging(void* m, bool on, size_t n, const Text* categories) {
     return (void)m, (void)on, (void)n, (void)categories, OK;
@@ -304,8 +327,10 @@ EXPORT void* fmi3InstantiateScheduledExecution(void) { return NULL; }
 #define TYPE(name) NONE(Get##name) NONE(Set##name)
 TYPE(Float32)
 TYPE(Int8)
-TYPE(UInt8) TYPE(Int16) TYPE(UInt16) TYPE(Int32) TYPE(UInt32) TYPE(Int64) TYPE(UInt64) TYPE(Boolean) TYPE(String) TYPE(Binary) TYPE(Clock)
-    TYPE(IntervalDecimal) TYPE(IntervalFraction) TYPE(ShiftDecimal) TYPE(ShiftFraction) NONE(SerializedFMUStateSize) NONE(SerializeFMUState)
+TYPE(UInt8)
+TYPE(Int16)
+TYPE(UInt16) TYPE(Int32) TYPE(UInt32) TYPE(Int64) TYPE(UInt64) TYPE(Boolean) TYPE(String) TYPE(Binary) TYPE(Clock) TYPE(IntervalDecimal)
+    TYPE(IntervalFraction) TYPE(ShiftDecimal) TYPE(ShiftFraction) NONE(SerializedFMUStateSize) NONE(SerializeFMUState)
         NONE(DeserializeFMUState) NONE(GetDirectionalDerivative) NONE(GetAdjointDerivative) NONE(GetOutputDerivatives)
             NONE(GetNumberOfVariableDependencies) NONE(GetVariableDependencies) NONE(EnterConfigurationMode) NONE(ExitConfigurationMode)
                 NONE(EvaluateDiscreteStates) NONE(UpdateDiscreteStates) NONE(EnterEventMode) NONE(EnterStepMode)
@@ -323,6 +348,6 @@ EXPORT int NAME(GetFMUState)(void* m, void** state) {
     if (!*state) *state = malloc(sizeof(Reduced));
     return *state ? (memcpy(*state, m, sizeof(Reduced)), OK) : ERROR;
 }
-EXPORT int NAME(SetFMUState)(void* m, void* state) { return memcpy(m, state, sizeof(Reduced)), OK; }
+EXPORT int NAME(SetFMUState)(void* m, void* state) { return state ? (memcpy(m, state, sizeof(Reduced)), OK) : ERROR; }
 EXPORT int NAME(FreeFMUState)(void* m, void** state) { return (void)m, free(*state), *state = NULL, OK; }
 #endif
