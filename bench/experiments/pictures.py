@@ -19,7 +19,7 @@ def line(name, points, **style):
 
 
 def draw(file, *plots):
-    """Plots {title, subtitle, x, y, series, height} below one another as an SVG file; none without points."""
+    """Plots {title, subtitle, x, y, series, height} below one another as an SVG or PNG file; none without points."""
     plots = [plot for plot in plots if any(series["points"] for series in plot["series"])]
     if not plots:
         return
@@ -28,6 +28,6 @@ def draw(file, *plots):
         series = [{"mark": "dot", "line": "none", "colour": "", "width": 1.6, "sets_ends": True, **each,
                    "x": [x for x, _ in each["points"]], "y": [y for _, y in each["points"]]} for each in plot["series"]]
         panels.append({"height": 540.0, "regions": [], **plot, "series": series})
-    request = {"command": "chart", "format": "svg", "heading": plots[0].get("subtitle", ""), "panels": panels}
+    request = {"command": "chart", "format": file.suffix[1:], "heading": plots[0].get("subtitle", ""), "panels": panels}
     done = subprocess.run([os.environ.get("CVTFLOW_PYTHON", "/usr/bin/python3"), "-I", DRAWER], input=json.dumps(request).encode(), stdout=subprocess.PIPE, check=True)
     file.write_bytes(done.stdout)
