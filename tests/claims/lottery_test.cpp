@@ -72,7 +72,7 @@ TEST(Lottery, MachinesEndRightOrSayThatTheyDoNot) {
 TEST(NightlyLotteryOfForty, MachinesEndRightOrSayThatTheyDoNot) { play_honestly(0, 40, brief()); }
 
 /// Steps of rigid pins err by more than 1 %: losses and slip of all that finish must be within 2 %, small slips within 0.004 points
-/// (docs/detail.md). One in forty may be right and called unreliable (the balance is off by 0.3 % of the losses, the losses by 0.5 %).
+/// (docs/accuracy.md). One in forty may be right and called unreliable (the balance is off by 0.3 % of the losses, the losses by 0.5 %).
 void play_rigid(long count) {
     bench::LotteryRules rules;
     rules.detail = "rigid";

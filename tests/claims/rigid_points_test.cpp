@@ -1,4 +1,4 @@
-/// The table of docs/detail.md: rigid pins at operating points that were not used in building them.
+/// The table of docs/accuracy.md: rigid pins at operating points that were not used in building them.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

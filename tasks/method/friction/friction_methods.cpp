@@ -55,7 +55,7 @@ constexpr double longest_swept_step = 2.858e-6;
     return parameters.detail.pins == model::PinDetail::rigid ? "" : "detail.pins = \"rigid\"";
 }
 
-/// Longest step of rigid pins, where strands are off by 0.5 % and slip by 1.5 % at most (docs/detail.md). 11.5 us are stable at `baseline`,
+/// Longest step of rigid pins, where strands are off by 0.5 % and slip by 1.5 % at most (docs/accuracy.md). 11.5 us are stable at `baseline`,
 /// but with 8.33 us the energy balance of four of forty machines exceeds its tolerance (decision 110). The step is shorter where friction
 /// falls and where the chain is fast (auto_step.cpp) [s].
 constexpr double longest_rigid_step = 7.5e-6;
