@@ -3,11 +3,12 @@
 import os
 import re
 import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
 
-from program import BRIEFLY, SOURCE, Program, channel, csv_of, main, read, write
+from program import BRIEFLY, PROGRAM, SOURCE, Program, channel, csv_of, main, read, write
 
 TABLE = ("case,status,load_torque,start_ratio,slip_mean\n0,ok,10,1,0.1\n1,ok,20,1,0.2\n2,ok,10,2,0.3\n3,ok,20,2,0.4\n4,deep_tip,30,2,9\n")
 PIN_SPEED = 2000 / 60 * 2 * np.pi * 54.44e-3 / 8.12e-3  # of baseline: speed times radius over pitch, 1404 Hz
@@ -262,6 +263,27 @@ class PlotCommand(Program):
                 ("./bare", 2, "CVTFLOW_PYTHON=./bare: expected an absolute path")):
             self.has(self.cvtflow("plot run.h5 -o p.png", status, CVTFLOW_PYTHON=python).err, text)
             self.assertFalse(os.path.exists("p.png"))
+
+    def test_an_interpreter_without_an_answer_is_an_error(self):
+        self.svg("run.h5 slip")
+        drawn = read("p.svg")
+        self.has(self.cvtflow("plot run.h5 slip -o p.svg --force", 1, CVTFLOW_PYTHON="/bin/true").err, "returned nothing")
+        self.assertEqual(read("p.svg"), drawn)
+
+    def test_a_program_without_its_package_starts_no_other(self):
+        """The package in a parent folder is not the program's, nor one that another user put where it would be installed."""
+        Path("me/bin").mkdir(parents=True)
+        shutil.copy(PROGRAM, "me/bin/cvtflow")
+        for place in ("python", "me/python", "me/bin/python"):
+            write(f"{place}/cvtflow/_draw.py", "print('a stranger runs')\n")
+        for _ in range(2 if os.geteuid() == 0 else 1):
+            done = subprocess.run(["me/bin/cvtflow", "plot", "run.h5", "slip", "-o", "p.svg"], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stdout), (1, ""))
+            self.has(done.stderr, "install cvtflow completely")
+            place = Path(re.search(r"is not in (.*?),", done.stderr)[1])
+            self.assertEqual(place.parts[:len(Path("me").resolve().parts)], Path("me").resolve().parts)
+            write(place / "cvtflow/_draw.py", "print('a stranger runs')\n")
+            shutil.chown(place / "cvtflow/_draw.py", 65534)
 
     def test_the_environment_of_a_user_has_no_effect(self):
         """Modules, settings and packages of the working folder, of PYTHONPATH, of a home without permission to write; another locale."""

@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -58,11 +59,12 @@ private:
     int number_;
 };
 
-/// Whether everyone may write a file or folder, or it is absent.
-bool is_open_to_all(const fs::path& path) {
-    std::error_code unknown;
-    const fs::perms all = fs::status(path, unknown).permissions();
-    return unknown || (all & fs::perms::others_write) != fs::perms::none;
+/// Whether others may change a file or folder: it is absent, everyone may write it, or its owner is neither root nor this user nor the
+/// program's owner.
+bool is_open_to_others(const fs::path& path, uid_t owner_of_program) {
+    struct stat found {};
+    if (::stat(path.c_str(), &found) != 0 || (found.st_mode & S_IWOTH) != 0) return true;
+    return found.st_uid != 0 && found.st_uid != geteuid() && found.st_uid != owner_of_program;
 }
 
 std::string interpreter() {
@@ -72,19 +74,18 @@ std::string interpreter() {
     return named;
 }
 
-/// The file of the package that is started: beside this program's folder of binaries, or in a build folder up to three levels above.
+/// The file of the package that is started: of this build folder, or of the installation that contains this program.
 fs::path package_file() {
-    std::error_code unknown;
-    fs::path folder = fs::canonical("/proc/self/exe", unknown).parent_path();
-    std::vector<fs::path> places{folder.parent_path() / CVTFLOW_PYTHON_DIR};
-    for (int level = 0; level < 4 && folder.has_relative_path(); ++level, folder = folder.parent_path())
-        places.push_back(folder / "python");
-    for (const fs::path& place : places) {
-        const fs::path file = place / "cvtflow/_draw.py";
-        if (fs::is_regular_file(file, unknown) && !is_open_to_all(file) && !is_open_to_all(file.parent_path())) return file;
-    }
-    throw std::runtime_error(
-        fmt::format("the Python package that draws is not in {}: install cvtflow completely", places.front().string()));
+    const fs::path program = fs::canonical("/proc/self/exe"), build = CVTFLOW_BUILD_FOLDER;
+    const bool built = std::mismatch(build.begin(), build.end(), program.begin(), program.end()).first == build.end();
+    const fs::path place = (built ? build / "prefix/cvtflow" : program.parent_path().parent_path()) / CVTFLOW_PYTHON_DIR;
+    const fs::path file = place / "cvtflow/_draw.py";
+    struct stat of_program {};
+    if (::stat(program.c_str(), &of_program) == 0 && !is_open_to_others(file, of_program.st_uid) &&
+        !is_open_to_others(file.parent_path(), of_program.st_uid))
+        return file;
+    throw std::runtime_error(fmt::format(
+        "the Python package that draws is not in {}, or others may change it there: install cvtflow completely", place.string()));
 }
 
 /// Variables that a child process gets: what libraries are searched by, where temporary files go.
@@ -150,7 +151,9 @@ std::string drawn(const nlohmann::json& request, bool reports) {
     if (status == static_cast<int>(ExitStatus::usage)) throw UsageError(message);
     if (status != 0) throw std::runtime_error(message.empty() ? fmt::format("the Python package ended with status {}", status) : message);
     if (!message.empty()) print_error(message);
-    return output.contents();
+    std::string drawn = output.contents();
+    if (drawn.empty()) throw std::runtime_error("the Python package returned nothing");
+    return drawn;
 }
 
 }  // namespace cvtflow::tools
