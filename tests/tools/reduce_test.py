@@ -38,7 +38,8 @@ sys.dont_write_bytecode = True
 drawing = types.ModuleType("reduction")  # the package without the compiled module
 drawing.__path__ = [SOURCE + "/api/python/cvtflow"]
 sys.modules["reduction"] = drawing
-from reduction import _reduce, _small  # noqa: E402
+from reduction import _reduce, _reduction, _small  # noqa: E402
+from reduction._known import Misuse  # noqa: E402
 
 SCENE = {"chain.pins": 84, "chain.pitch": 8.12e-3, "pulley.centre_distance": 0.17, "pulley.innermost": 0.025, "pulley.outermost": 0.08,
          "tip.angle": math.radians(11), "tip.friction_coefficient": 0.09, "tip.friction_scale": 1.0, "pulley.sheave_polar_inertia": 8e-3,
@@ -206,6 +207,27 @@ class Axes(unittest.TestCase):
         scene["clamping.safety"] = 0.0
         np.testing.assert_allclose(machine.axes()["clamping"][[0, -1]], [4e3, 20e3])
 
+    def test_of_files_are_checked_by_type_unit_and_range(self):
+        scene = {**SCENE, "cycle.speed": 0, "drive.speed": 200.0, "clamping.driven": 10e3, "clamping.safety": 0, "start.ratio": 1.0,
+                 "control.enabled": False, "load.torque": 100.0}
+        machine = _reduce.Machine(scene)
+        good = 'ratio = ["0.8", 1.25]\nload = [0, "60 %"]\nclamping = ["15 kN", 25e3]\nspeed = ["2000 rpm", "300 rad/s"]\npoints = 0'
+        axes = _reduce.axes_of(machine, good)
+        np.testing.assert_allclose([axes[name][k] for name in ("ratio", "load", "clamping", "speed") for k in (0, 1)],
+                                   [0.8, 1.25, 0, 0.6, 15e3, 25e3, 200 * math.pi / 3, 300])
+        lists = ('"x"', '"12"', "1", "nan", "true", "{}", "[]", "[0]", "[false, true]", "[0.9, 0.8]", "[0, nan]", "[0, inf]", "[-1, 1]",
+                 "[0, 1e-320]", "[1, 1.0000001]", "[1, 1e300]", "[[0], [1]]", '["0 N", "1 rpm"]', '["0 parsec", "1 parsec"]', '["", ""]',
+                 "[1979-05-27, 1979-05-28]", "[0.01, 3000000000]", "[0, %s]" % 10 ** 400, "[%s]" % ", ".join(map(str, range(200))),
+                 '["1e", "2"]', "[{}, {}]", "[" * 50_000, '"x', "[0, 1", "0..1")
+        numbers = ('"x"', "-1", "0.5", "1e9", "nan", "true", "[]", "{}", "20000", '"3"', "1979-05-27")
+        wrong = [f"{name} = {value}" for name in ("ratio", "load", "clamping", "speed") for value in lists]
+        wrong += [f"{name} = {value}" for name in ("points", "fine") for value in numbers] + ["ratio = [0.01, 1]", "ratio = [1, 9]"]
+        wrong += [f"courses = {value}" for value in ("0", '"yes"', "[]", "1.0")] + ["load = 1\nload = 2", "torqe = [1, 2]"]
+        self.assertGreaterEqual(len(wrong), 150)
+        for text in wrong:
+            with self.subTest(text[:60]), self.assertRaisesRegex(Misuse, "^--axes: "):
+                _reduce.axes_of(machine, text)
+
 
 class Cases(unittest.TestCase):
     def test_are_of_the_map_if_they_are_known_to_a_fortieth_without_gross_slip(self):
@@ -347,6 +369,9 @@ class OfAScene(unittest.TestCase):
             done = cvtflow("reduce", "baseline", "-o", "none", "--axes", "wrong.toml")
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(message, done.stderr)
+
+        done = cvtflow("reduce", "baseline", "-o", "none", "--axes", "nowhere.toml")
+        self.assertEqual((done.returncode, "nowhere.toml" in done.stderr), (1, True), done.stderr)
 
     def test_keeps_files_of_others(self):
         os.makedirs("others", exist_ok=True)

@@ -13,6 +13,8 @@ from . import _known
 
 SHARES = (0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.85, 0.95)  # of the torque limit
 SAFETY = 1.3  # of tables over torque, where the scene has none
+_AXES = {"ratio": ({"1": 1.0}, 0.05, 20.0), "load": ({"1": 1.0, "%": 0.01}, 0.0, 2.0), "clamping": ({"N": 1.0, "kN": 1e3}, 1.0, 1e7),
+         "speed": ({"rad/s": 1.0, "rpm": math.pi / 30}, 0.1, 1e4)}  # units, least and largest value
 KINDS = {"tips": ("tip_friction", "tip_damping"), "joints": ("joint_friction", "joint_damping"),
          "plates": ("plate_friction", "plate_damping", "inner"), "supports": ("supports",)}
 SCALARS = ["ratio mean", "slip mean", "friction_slip mean", "shaft_1/clamping mean", "tight_tension mean", "slack_tension mean",
@@ -73,7 +75,7 @@ class Machine:
             return 0.4 * max(most, 1e3), 2.0 * max(most, 1e3)
         return max(least, 0.1 * asked), 1.1 * asked
 
-    def axes(self):
+    def axes(self, loads=SHARES):
         """Default axes: what the grooves have room for, the scene's ratios, and its speeds with what lies around them."""
         ends = [ratio for ratio in np.geomspace(1.0, 6.0, 200)
                 if self.radii(ratio)[0] >= 1.3 * self.limits[0] and self.radii(ratio)[1] <= 0.95 * self.limits[1]] or [1.2]
@@ -84,38 +86,57 @@ class Machine:
         else:
             slow, fast = self._range("drive.speed")
         speeds = np.linspace(slow, fast, 4) if fast > 1.5 * slow > 0 else np.array([0.4, 0.8, 1.3, 2.0]) * fast
-        return {"ratio": np.geomspace(1 / end, end, 7), "load": np.array(SHARES), "clamping": np.geomspace(*self._clamping(), 4),
+        return {"ratio": np.geomspace(1 / end, end, 7), "load": np.array(loads), "clamping": np.geomspace(*self._clamping(), 4),
                 "speed": speeds, "points": 40, "fine": 10, "courses": True}
 
 
-def axes_of(machine, text):
+def axes_of(machine, text, loads=SHARES):
     """Axes of a file over the default ones, checked. Raises Misuse."""
-    axes = machine.axes()
+    axes = machine.axes(loads)
     try:
         given = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise _known.Misuse(f"--axes: {error}") from None
     for name, value in given.items():
         if name not in axes:
             raise _known.Misuse(f"--axes: no axis {name}{_known.suggestion(name, axes)}; there are {', '.join(axes)}")
-        axes[name] = value
-        if name in ("ratio", "load", "clamping", "speed"):
-            try:
-                axes[name] = np.array([_number(each) for each in value], dtype=float)
-            except (TypeError, ValueError):
-                raise _known.Misuse(f"--axes: {name}: a list of numbers in SI or with rpm, N or kN") from None
-            if len(axes[name]) < 2 or (np.diff(axes[name]) <= 0).any() or axes[name][0] < 0 or (name != "load" and axes[name][0] == 0):
-                raise _known.Misuse(f"--axes: {name}: two values or more, rising, positive")
+        axes[name] = _axis(name, value) if name in _AXES else value
+    if type(axes["courses"]) is not bool:
+        raise _known.Misuse("--axes: courses: true or false")
+    for name in ("points", "fine"):
+        if type(axes[name]) is not int or not 0 <= axes[name] <= 10_000:
+            raise _known.Misuse(f"--axes: {name}: a whole number from 0 to 10000")
     if axes["load"][0] != 0:
         raise _known.Misuse("--axes: load: the first share of the torque limit is 0")
+    for ratio in axes["ratio"]:
+        if not machine.limits[0] <= min(machine.radii(ratio)) <= max(machine.radii(ratio)) <= machine.limits[1]:
+            raise _known.Misuse(f"--axes: ratio: at {ratio:g} the chain leaves its sheaves")
+    if (count := math.prod(len(axes[name]) for name in _AXES)) > 100_000:
+        raise _known.Misuse(f"--axes: {count} points, more than 100000")
     return axes
 
 
-def _number(value):
-    if not isinstance(value, str):
-        return float(value)
-    number, unit = re.fullmatch(r"\s*([-+.\deE]+)\s*(\S*)\s*", value).groups()
-    return float(number) * {"": 1.0, "rad/s": 1.0, "rpm": math.pi / 30, "N": 1.0, "kN": 1e3, "1": 1.0}[unit]
+def _axis(name, value):
+    """Values of an axis in SI."""
+    units, least, most = _AXES[name]
+    try:
+        found = np.array([_number(each, units) for each in (value if isinstance(value, list) else [[]])])
+    except (AttributeError, KeyError, OverflowError, TypeError, ValueError):
+        raise _known.Misuse(f"--axes: {name}: a list of numbers, or of texts with a unit of {', '.join(units)}") from None
+    if not 2 <= len(found) <= 100 or not ((found >= least) & (found <= most)).all() or (np.diff(found) < max(1e-3 * found[-1], 1e-6)).any():
+        raise _known.Misuse(f"--axes: {name}: 2 to 100 values from {least:g} to {most:g} (SI), rising by a thousandth of the last or more")
+    return found
+
+
+def _number(value, units):
+    if isinstance(value, str):
+        number, unit = re.fullmatch(r"\s*([-+.\deE]+)\s*(\S*)\s*", value).groups()
+        return float(number) * units[unit or "1"]
+    return float(value if type(value) in (int, float) else [])
+
+
+def _line(name, content):
+    return f"{hashlib.sha256(content).hexdigest()}  {name}\n".encode()
 
 
 class Bench:

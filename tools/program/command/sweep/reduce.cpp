@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 
 #include "engine/base/input_file.hpp"
@@ -31,6 +32,14 @@ struct ReduceArguments {
     double margin = 0.1;
 };
 
+std::string axes_text(const std::string& file) {
+    try {
+        return file.empty() ? "" : engine::read_text_input(file, largest_axes);
+    } catch (const std::exception& error) {
+        throw std::runtime_error(fmt::format("--axes {}: {}", file, error.what()));
+    }
+}
+
 /// Request to the Python package, which runs sweeps by this program and writes the files.
 nlohmann::json request_of(const ReduceArguments& arguments, const char* command) {
     const LoadedScene loaded = load_scene(arguments.scene);
@@ -47,7 +56,7 @@ nlohmann::json request_of(const ReduceArguments& arguments, const char* command)
             {"place", folder},
             {"folder", path_for_python(folder)},
             {"program", path_for_python(fs::read_symlink("/proc/self/exe").string())},
-            {"axes", arguments.axes.empty() ? "" : engine::read_text_input(arguments.axes, largest_axes)},
+            {"axes", axes_text(arguments.axes)},
             {"threads", arguments.threads},
             {"detail", arguments.scene.detail.empty() ? "rigid" : arguments.scene.detail},
             {"margin", arguments.margin}};
