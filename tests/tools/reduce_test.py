@@ -9,6 +9,7 @@ import math
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -190,10 +191,8 @@ class ModelInC(unittest.TestCase):
             self.assertAlmostEqual(model.get("ratio") * (1.0 - model.get("slip")), end, places=6)
 
     def test_is_ten_thousand_times_as_fast_as_the_clock(self):
-        from reduction._reduction import _speed_factor
-
         small = made_up()
-        self.assertGreater(max(_speed_factor(small.load(), small) for _ in range(3)), 1e4)
+        self.assertGreater(max(_reduction._speed_factor(small.load(), small) for _ in range(3)), 1e4)
 
 
 class Axes(unittest.TestCase):
@@ -285,21 +284,40 @@ class Fmus(unittest.TestCase):
 
 
 class Files(unittest.TestCase):
-    def bench(self, program):
+    def bench(self, program, folder=None, names=()):
         Path("program").write_text(f"#!/bin/sh\n{program}\n")
         os.chmod("program", 0o755)
-        folder = tempfile.mkdtemp(dir=".")
+        folder = folder or tempfile.mkdtemp(dir=".")
         return _reduce.Bench({"folder": os.path.abspath(folder), "program": os.path.abspath("program"), "scene": {}, "threads": 0,
-                              "detail": "rigid", "place": folder, "text": ""})
+                              "detail": "rigid", "place": folder, "text": "scene"}, names)
 
-    def test_are_not_written_through_links(self):
-        bench = self.bench("exit 0")
-        target = Path("target")
+    def test_of_others_are_refused_before_anything_runs(self):
+        bench, target = self.bench("exit 0"), Path("target")
+        place = Path(bench.folder, "map.csv")
         target.write_text("mine")
-        for name in ("map.mat", "baseline_fmi2.fmu"):
-            os.symlink(target.absolute(), os.path.join(bench.folder, name))
-            self.assertRaisesRegex(FileExistsError, "a link is not replaced", bench.write, name, b"new")
+        for make in (lambda: os.symlink(target.absolute(), place), lambda: os.link(target, place), lambda: os.mkfifo(place),
+                     lambda: place.write_text("edited")):
+            bench.write("map.csv", "new")
+            place.unlink()
+            make()
+            self.assertRaises(FileExistsError, self.bench, "exit 0", bench.folder, ["map.csv"])
+            self.assertRaises(FileExistsError, bench.write, "map.csv", "newer")
+            place.unlink()
         self.assertEqual(target.read_text(), "mine")
+        for content in ("new", "newer"):  # what it has written, it replaces
+            bench.write("map.csv", content)
+            self.bench("exit 0", bench.folder, ["map.csv"])
+        os.rename(bench.runs, "elsewhere")
+        os.symlink(os.path.abspath("elsewhere"), bench.runs)
+        self.assertRaisesRegex(FileExistsError, "is a link", self.bench, "exit 0", bench.folder)
+
+    def test_that_a_power_cut_has_emptied_are_written_again(self):
+        bench = self.bench("exit 0")
+        scene = Path(bench.runs, "scene.toml")
+        text = scene.read_text()
+        scene.write_text("")
+        self.bench("exit 0", bench.folder)
+        self.assertEqual(scene.read_text(), text)
 
     def test_of_a_run_that_failed_are_no_record(self):
         bench = self.bench('for word; do [ "$before" = -o ] && echo half >"$word"; before="$word"; done; exit 3')
@@ -309,6 +327,13 @@ class Files(unittest.TestCase):
         bench = self.bench('for word; do [ "$before" = -o ] && echo whole >"$word"; before="$word"; done')
         bench.record("shift", {})
         self.assertEqual(Path(bench.runs, "shift.h5").read_text(), "whole\n")
+
+    def test_of_a_course_that_was_killed_are_no_obstacle(self):
+        bench = self.bench('for word; do [ "$before" = -o ] && { [ -e "$word" ] && exit 1; echo whole >"$word"; }; before="$word"; done')
+        for name in ("shift_running.h5", "shift_running.h5.part", "shift_running.checkpoint.h5"):
+            Path(bench.runs, name).write_text("half")
+        bench.record("shift", {})
+        self.assertEqual(sorted(os.listdir(bench.runs)), ["scene.toml", "shift.h5"])
 
 
 def modelica_tables(text):
@@ -335,9 +360,23 @@ class OfAScene(unittest.TestCase):
     def test_prints_errors_that_it_has_measured(self):
         self.assertEqual(self.done.returncode, 0, self.done.stderr)
         self.assertRegex(self.done.stdout, r"baseline: 16 points")
-        for name, largest in (("thrust ratio", 15.0), ("efficiency", 1.0)):  # of a map with two points along an axis
-            found = re.search(rf"rigid, points +{name} +2 +\S+ +\S+ +(\S+)", self.done.stdout)
+        for name, largest in (("thrust ratio", 15.0), ("efficiency", 1.0), ("shaft_1.torque", 1.0)):  # of two points along an axis
+            found = re.search(rf"rigid, 2 points +{name} +2 +\S+ +\S+ +(\S+)", self.done.stdout)
             self.assertLess(float(found[1]), largest, name)
+
+    def test_estimates_its_time_before_it_begins(self):
+        self.assertRegex(self.done.stderr, r"measured are the map, .*2 points at rigid\n  map +16 cases: .+ on .*\n")
+
+    def test_has_a_status_where_a_course_is_missing(self):
+        shutil.copytree("reduced", "courses")
+        Path("with.toml").write_text(Path("axes.toml").read_text().replace("courses = false", "courses = true"))
+        for name in _reduction.COURSES:
+            Path(f"courses/runs/{name}.h5").write_text("no record")
+        done = cvtflow("reduce", "baseline", "-o", "courses", "--axes", "with.toml")
+        self.assertEqual(done.returncode, 5, done.stderr)
+        for name in _reduction.COURSES:
+            self.assertIn(f"{name}: not measured: ", done.stderr)
+            self.assertIn(f"{name}: not measured: ", Path("courses/errors.txt").read_text())
 
     def test_writes_tables_with_units_that_agree(self):
         with open("reduced/map.csv", encoding="utf-8") as file:

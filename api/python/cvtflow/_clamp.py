@@ -8,7 +8,7 @@ import numpy as np
 
 from ._known import Misuse
 from ._reduce import SAFETY, Bench, Machine, Map, _good, axes_of, steady
-from ._reduction import csv_text, efficiency
+from ._reduction import csv_text, efficiency, over_torque
 from ._small import Small
 
 SHARES = (0.0, 0.4, 0.6, 0.75, 0.85, 0.92, 0.97)
@@ -52,20 +52,6 @@ def _rows(rule, machine, model, axes, speed):
                 yield ratio, torque, found[0], found[0] * thrust, today, *both, found[1]
 
 
-def _picture(rows, name, speed):
-    from . import _figures
-
-    ratio, torque, best, _, today, after, before = np.array([row[:7] for row in rows], dtype=float).T
-    panels = []
-    for label, values in (("clamping force [kN]", best / 1e3), ("gain [points of %]", 100 * (after - before))):
-        panel = _figures.Panel(f"{label.partition(' [')[0]} over torque and ratio", "torque of shaft 2 [N·m]", "ratio",
-                               scales=("linear", "log"))
-        panel.fields.append(_figures.Field(label, torque, ratio, values))
-        panels.append(panel)
-    heading = f"{name}: clamping of best efficiency, {speed * 30 / math.pi:.0f} rpm on shaft 1"
-    return _figures.picture(_figures.draw(panels, heading), "svg", "")
-
-
 def _spread(rows, count):
     """Rows of the table, at equal distances: of those whose forces differ by a hundredth, else of all; each once, so there can be fewer."""
     some = [row for row in rows if abs(row[2] - row[4]) > 0.01 * row[4]] or rows
@@ -100,7 +86,7 @@ def _confirmed(bench, machine, model, rows, speed, axes):
 def requested(request):
     """Computes the table that the program requests. Returns what it prints."""
     begin = time.monotonic()
-    bench = Bench(request)
+    bench = Bench(request, ("clamping.csv", "clamping.svg"))
     machine, margin = Machine(bench.scene), request["margin"]
     axes = axes_of(machine, request["axes"])
     speed, safety = float(np.median(axes["speed"])), bench.scene["clamping.safety"] or SAFETY
@@ -117,8 +103,11 @@ def requested(request):
     names = ("ratio [1]", "torque_2 [N*m]", "clamping_2 [N]", "clamping_1 [N]", "clamping_2_by_safety [N]", "efficiency [1]",
              "efficiency_by_safety [1]")
     bench.write("clamping.csv", csv_text({name: [row[k] for row in rows] for k, name in enumerate(names)}))
-    bench.write("clamping.svg", _picture(rows, request["name"], speed))
-    gains, decides = np.array([row[5] - row[6] for row in rows]), [row[7] for row in rows]
+    ratio, torque, best, _, _, after, before = np.array([row[:7] for row in rows], dtype=float).T
+    bench.write("clamping.svg", over_torque(
+        f"{request['name']}: clamping of best efficiency, {speed * 30 / math.pi:.0f} rpm on shaft 1", torque, ratio,
+        {"clamping force [kN]": best / 1e3, "gain [points of %]": 100 * (after - before)}))
+    gains, decides = after - before, [row[7] for row in rows]
     lines = [f"{request['name']}: {len(rows)} points at {speed * 30 / math.pi:.0f} rpm, margin of slip {100 * margin:.0f} % of the load "
              f"beside the safety factor {safety:g}",
              "  decided by " + ", ".join(f"{name} {decides.count(name)}" for name in ("efficiency", "slip", "range")),
@@ -126,4 +115,4 @@ def requested(request):
              f"{100 * gains.max():+.3f}",
              *_confirmed(bench, machine, model, rows, speed, axes),
              f"written to {request['place']}: clamping.csv, clamping.svg, in {time.monotonic() - begin:.0f} s"]
-    return ("\n".join(lines) + "\n").encode()
+    return bench.made(lines)

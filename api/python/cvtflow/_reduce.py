@@ -1,9 +1,14 @@
 """`cvtflow reduce`: a machine's steady map and shift law as tables, and as an FMU with measured errors."""
 
+import ctypes
+import hashlib
+import json
 import math
 import os
 import re
+import signal
 import subprocess
+import tempfile
 import time
 import tomllib
 
@@ -24,15 +29,6 @@ _PLAIN = {"drive.mode": "speed", "load.mode": "torque", "load.linear": 0, "load.
           "start.state": "", "start.layout": "belt", "start.settling_time": "60 ms", "start.ramp_time": "5 ms",
           "run.output_interval": "200 us"}
 _STEADY = {"control.enabled": True, "control.gains": "found", "control.when_steady": "hold", "run.until": "steady"}
-
-
-def toml(value):
-    """A value as TOML."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(toml(each) for each in value) + "]"
-    return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"' if isinstance(value, str) else repr(value)
 
 
 class Machine:
@@ -142,31 +138,64 @@ def _line(name, content):
 class Bench:
     """Runs sweeps and scenes of one machine with the program, in a folder in which a second start continues."""
 
-    def __init__(self, request):
+    def __init__(self, request, names=()):
+        """names: of the files that write() will write."""
         self.folder, self._program = (os.fsdecode(request[name].encode("latin-1")) for name in ("folder", "program"))
         self.scene, self._threads = request["scene"], ["--threads", str(request["threads"])] * (request["threads"] > 0)
         self.level = request["detail"]
         self.runs = os.path.join(self.folder, "runs")
+        if os.path.islink(self.runs):
+            raise FileExistsError(f"{self.runs}: is a link; results are written into real folders")
         if os.path.isdir(self.folder) and os.listdir(self.folder) and not os.path.isfile(os.path.join(self.runs, "scene.toml")):
             raise FileExistsError(f"{request['place']}: contains files of others; name another folder")
         os.makedirs(self.runs, exist_ok=True)
+        for name in names:
+            self._replaceable(name)
         text = re.sub(r"(?m)^state = .*\n", "", request["text"])  # start.state has no effect, and its path is that of the installation
         self.write("runs/scene.toml", f"# {self.level}\n{text}", kept=True)
 
-    def write(self, name, content, kept=False):
-        """Writes a file of the folder, if its content changes. kept: results beside it are of this content."""
-        path, content = os.path.join(self.folder, name), content if isinstance(content, bytes) else content.encode()
+    def _content(self, name):
+        """Bytes of a file of the folder; empty: there is none."""
+        path = os.path.join(self.folder, name)
         if os.path.islink(path):
             raise FileExistsError(f"{path}: a link is not replaced")
-        if os.path.exists(path):
-            with open(path, "rb") as file:
-                if file.read() == content:
-                    return
-            if kept:
-                raise FileExistsError(f"{path}: differs, so results beside it are of another machine, level of detail or other axes; name "
-                                      "another folder, or remove this one")
-        with open(path, "wb") as file:
+        if not os.path.lexists(path):
+            return b""
+        if not os.path.isfile(path):
+            raise FileExistsError(f"{path}: is not a regular file")
+        with open(path, "rb") as file:
+            return file.read()
+
+    def _replaceable(self, name):
+        """Raises FileExistsError where a file is not as write() has left it: runs/written has a line for each that it has written."""
+        if (content := self._content(name)) and _line(name, content) not in self._content("runs/written"):
+            raise FileExistsError(f"{os.path.join(self.folder, name)}: was not written by this command, or has changed since; move it away")
+
+    def write(self, name, content, kept=False):
+        """Writes a file of the folder, if its content changes. kept: results beside it are of this content."""
+        content, found = content if isinstance(content, bytes) else content.encode(), self._content(name)
+        if found == content:
+            return
+        if kept and found:
+            raise FileExistsError(f"{os.path.join(self.folder, name)}: differs, so results beside it are of another machine, level of "
+                                  "detail or other axes; name another folder, or remove this one")
+        if not kept:
+            self._replaceable(name)
+            with open(os.path.join(self.runs, "written"), "ab") as file:
+                file.write(_line(name, content))
+        part = os.path.join(self.runs, "part")
+        if os.path.lexists(part):
+            os.remove(part)
+        with open(part, "xb") as file:
             file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, os.path.join(self.folder, name))
+
+    @staticmethod
+    def made(lines, incomplete=False):
+        """What the program receives: its exit status, and lines that it prints."""
+        return "\n".join([str(5 * incomplete), *lines, ""]).encode()
 
     @staticmethod
     def report(line):
@@ -174,12 +203,26 @@ class Bench:
         if place := os.environ.get("CVTFLOW_PROGRESS"):
             os.write(int(place), f"  {line}\n".encode())
 
-    def call(self, *words):
-        """Output of the program. Raises RuntimeError with its message, unless rows state what failed."""
-        done = subprocess.run([self._program, *words], cwd=self.runs, capture_output=True, text=True)
-        if done.returncode not in (0, 5, 6, 7, 8):
-            raise RuntimeError(f"cvtflow {' '.join(words[:2])}: {done.stderr.strip()}")
-        return done.stdout
+    def call(self, *words, folder=None, progress=None):
+        """Output of the program. progress: receives lines while it works. Raises RuntimeError with its message, unless rows state what
+        failed."""
+        death = ctypes.CDLL(None).prctl
+        with tempfile.TemporaryFile() as errors, subprocess.Popen(
+                [self._program, *words], cwd=folder or self.runs, stdout=subprocess.PIPE, stderr=errors, text=True,
+                preexec_fn=lambda: death(1, signal.SIGTERM)) as process:  # PR_SET_PDEATHSIG
+            lines = []
+            try:
+                for line in process.stdout:
+                    lines.append(line)
+                    if progress:
+                        progress(line)
+            except BaseException:
+                process.terminate()
+                raise
+            if process.wait() not in (0, 5, 6, 7, 8):
+                errors.seek(0)
+                raise RuntimeError(f"cvtflow {' '.join(words[:2])}: {errors.read().decode(errors='replace').strip()}")
+        return "".join(lines)
 
     def shorter_step(self):
         """Three fifths of the automatic step."""
@@ -193,26 +236,38 @@ class Bench:
 
     def record(self, name, settings):
         """Runs a ready scene with settings into NAME.h5, where that is missing: it gets its name when the run has ended."""
-        path = os.path.join(self.runs, f"{name}.h5")
+        path, running = os.path.join(self.runs, f"{name}.h5"), f"{name}_running."
         if not os.path.exists(path):
             begin = time.monotonic()
-            words = [f"--set={key}={toml(value)}" for key, value in settings.items()]
-            self.call("run", name, "--detail", self.level, "-q", "-o", f"{name}_running.h5", *words)
-            os.replace(os.path.join(self.runs, f"{name}_running.h5"), path)
+            for rest in [each for each in os.listdir(self.runs) if each.startswith(running)]:  # of a program that was stopped
+                os.remove(os.path.join(self.runs, rest))
+            words = [f"--set={key}={json.dumps(value)}" for key, value in settings.items()]
+            self.call("run", name, "--detail", self.level, "-q", "-o", os.path.join(self.runs, running + "h5"), *words, folder="/")
+            os.replace(os.path.join(self.runs, running + "h5"), path)
             self.report(f"{name:12} in {time.monotonic() - begin:.0f} s")
+
+    def _progress(self, name, now):
+        if now["event"] == "progress":
+            left = f", {now['left'] / 60:.1f} min left" if now["left"] else ""
+            self.report(f"{name:12} {now['done']} of {now['cases']} cases{left}")
 
     def sweep(self, name, settings, rows, scalars, continued=False, detail=None):
         """Results of a sweep over rows (key: values) as arrays by column; runs what is missing."""
         import h5py
 
-        lines = ["[sweep]", f"name = {toml(name)}", 'scene = "scene.toml"', f"detail = {toml(detail or self.level)}", "[set]",
-                 *(f"{key} = {toml(value)}" for key, value in {**_PLAIN, **settings}.items()), "[[axes]]", f'csv = "{name}.csv"',
-                 "[outputs]", f"scalars = {toml(scalars)}", "[start]", 'mode = "settle"', *['continuation = "load.torque"'] * continued]
+        lines = ["[sweep]", f"name = {json.dumps(name)}", 'scene = "scene.toml"', f"detail = {json.dumps(detail or self.level)}", "[set]",
+                 *(f"{key} = {json.dumps(value)}" for key, value in {**_PLAIN, **settings}.items()), "[[axes]]", f'csv = "{name}.csv"',
+                 "[outputs]", f"scalars = {json.dumps(scalars)}", "[start]", 'mode = "settle"',
+                 *['continuation = "load.torque"'] * continued]
         self.write(f"runs/{name}.csv", ", ".join(rows) + "\n" + "".join(
             ", ".join(f"{value:.9g}" for value in row) + "\n" for row in zip(*rows.values())), kept=True)
         self.write(f"runs/{name}.toml", "\n".join(lines) + "\n", kept=True)
         begin = time.monotonic()
-        self.call("batch", f"{name}.toml", "-o", name, *self._threads, "-q", "--keep-going")
+        if not os.path.exists(os.path.join(self.runs, name)):
+            cost = re.search(r"(?m)^  estimate +(.*)", self.call("batch", f"{name}.toml", *self._threads, "--dry-run"))
+            self.report(f"{name:12} {len(next(iter(rows.values())))} cases: {cost[1]}")
+        self.call("batch", f"{name}.toml", "-o", name, *self._threads, "--json", "--keep-going",
+                  progress=lambda line: self._progress(name, json.loads(line)))
         with h5py.File(os.path.join(self.runs, name, "cases.h5")) as file:
             cases = file["cases"][:]
         cases = cases[np.argsort(cases["case"])]
@@ -250,10 +305,10 @@ class Map:
         grid = np.stack(np.meshgrid(*(axes[each] for each in names), indexing="ij"), axis=-1)
         self.shape, loads = grid.shape[:-1], len(axes["load"])
         points = grid.reshape(-1, 4)[:, [2, 3, 1, 0]]
-        found = steady(bench, machine, name, points, settings=settings)
+        found = steady(bench, machine, "map", points)
         missing = (found["status"] == "unreliable").reshape(-1, loads).any(axis=1)
         if missing.any():  # their energy balances do not close with the automatic step
-            again = steady(bench, machine, name + "_again", points[np.repeat(missing, loads)], step=bench.shorter_step(), settings=settings)
+            again = steady(bench, machine, "map_again", points[np.repeat(missing, loads)], step=bench.shorter_step())
             for column in found:
                 if column in again:
                     found[column] = found[column].astype(object) if found[column].dtype.kind == "U" else found[column]
@@ -315,7 +370,7 @@ class Law:
 
     TIMES = range(4, 41, 2)  # [ms]
 
-    def __init__(self, bench, steady_map, settings=None, name="shift"):
+    def __init__(self, bench, steady_map):
         axes, shape = steady_map.axes, steady_map.shape
         some = [sorted({0, n // 2, n - 1}) if n < 5 else range(0, n, 2) for n in shape[1:3]]
         loads = [k for k in range(shape[3]) if k % 2 == 0]
@@ -329,7 +384,7 @@ class Law:
                      for part in (0.8, 0.9, 1.1, 1.2)]
         columns = dict(zip(("start.ratio", "clamping.driven", "clamping.driving", "load.torque", "drive.speed"), np.array(rows).T))
         free = {"control.enabled": False, "control.gains": "given", "control.when_steady": "control", "run.until": "40 ms"}
-        found = bench.sweep(name, {**free, **(settings or {})}, columns, [f"ratio at {each} ms" for each in self.TIMES])
+        found = bench.sweep("shift", free, columns, [f"ratio at {each} ms" for each in self.TIMES])
         time = 1e-3 * np.array(self.TIMES)
         logs = np.log(np.stack([found[f"ratio_at_{each}_ms"] for each in self.TIMES], axis=1))
         with np.errstate(invalid="ignore"):
@@ -337,24 +392,19 @@ class Law:
         node = np.repeat(np.array(kept), 4, axis=0)
         centre = np.array([np.interp(middle, np.log(axes["ratio"]), steady_map.values["thrust"][l, c, :, k])
                            for middle, (l, c, r, k) in zip(logs.mean(axis=1), node)])
-        drive = columns["clamping.driving"] / columns["clamping.driven"]
-        laws = {"force": centre - drive, "logarithm": np.log(centre / drive)}
+        strength = columns["drive.speed"] * (centre - columns["clamping.driving"] / columns["clamping.driven"])
         good = np.isfinite(rate) & (found["status"] == "ok") & (np.abs(rate) < 5)
         if not good.any():
             raise RuntimeError(f"no transient of the shift law has a result: {found['error'][0]}")
         x = [np.log(columns["start.ratio"]), axes["load"][node[:, 3]], columns["clamping.driven"], columns["drive.speed"]]
-        group, self.residual = np.repeat(np.arange(len(kept)), 4), {}
-        for name, force in laws.items():
-            strength = columns["drive.speed"] * force
-            slope = np.bincount(group, np.where(good, rate * strength, 0)) / np.bincount(group, np.where(good, strength ** 2, 1e-99))
-            has = (slope > 0) & (np.bincount(group, good) >= 2)
-            stiffness = (x[2] / x[3])[::4][has] / slope[has]
-            terms = self._terms(*(each[::4][has] for each in x)) / stiffness[:, None]
-            fitted = np.linalg.lstsq(terms, np.ones(len(terms)), rcond=None)[0]
-            model = self._strength(*x, fitted) * strength
-            self.residual[name] = float(np.sqrt(np.mean((model - rate)[good] ** 2) / np.mean(rate[good] ** 2)))
-            if name == "force":
-                self.coefficients, self.count, self.range = fitted, int(good.sum()), (slope[has].min(), slope[has].max())
+        group = np.repeat(np.arange(len(kept)), 4)
+        slope = np.bincount(group, np.where(good, rate * strength, 0)) / np.bincount(group, np.where(good, strength ** 2, 1e-99))
+        has = (slope > 0) & (np.bincount(group, good) >= 2)
+        terms = self._terms(*(each[::4][has] for each in x)) * (slope / (x[2] / x[3])[::4])[has][:, None]
+        self.coefficients = np.linalg.lstsq(terms, np.ones(len(terms)), rcond=None)[0]
+        missed = self._strength(*x) * strength - rate
+        self.residual = float(np.sqrt(np.mean(missed[good] ** 2) / np.mean(rate[good] ** 2)))
+        self.count, self.range = int(good.sum()), (slope[has].min(), slope[has].max())
 
     @staticmethod
     def _terms(ratio, load, clamping, speed):
@@ -364,13 +414,13 @@ class Law:
         creep = [np.ones_like(ratio), ratio, ratio ** 2, load, load ** 2, ratio * load, force, load * force]
         return np.stack([each / speed for each in creep] + [np.ones_like(ratio), ratio, ratio ** 2], axis=-1)
 
-    def _strength(self, ratio, load, clamping, speed, coefficients):
+    def _strength(self, ratio, load, clamping, speed):
         """C: at least a tenth of the middle one, at most ten times."""
-        given = self._terms(ratio, load, clamping, speed) @ coefficients
+        given = self._terms(ratio, load, clamping, speed) @ self.coefficients
         middle = np.median(given)
         return clamping / (speed * np.clip(given, 0.1 * middle, 10 * middle))
 
     def on(self, axes):
         """C at the points of a map."""
         grid = np.meshgrid(axes["speed"], axes["clamping"], np.log(axes["ratio"]), axes["load"], indexing="ij")
-        return self._strength(grid[2], grid[3], grid[1], grid[0], self.coefficients)
+        return self._strength(grid[2], grid[3], grid[1], grid[0])

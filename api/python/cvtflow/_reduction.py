@@ -1,9 +1,9 @@
 """What `cvtflow reduce` writes of a map and its shift law: tables, picture, FMUs, and the errors that it measures."""
 
-import csv
 import io
 import math
 import os
+import sys
 import time
 
 import numpy as np
@@ -29,7 +29,7 @@ class Errors:
     """Differences of the reduced model from the simulation, as rows of a table: name, unit, median, nine of ten, largest."""
 
     def __init__(self):
-        self.rows, self.notes = [], []
+        self.rows, self.notes, self.missing = [], [], []
 
     def add(self, against, name, unit, differences):
         size = differences[np.isfinite(differences)]
@@ -41,7 +41,7 @@ class Errors:
         lines = [f"{'against':22} {'quantity':14} {'of':>4} {'median':>9} {'90 %':>9} {'largest':>9}"]
         lines += [f"{against:22} {name:14} {count:4} {low:9.3g} {high:9.3g} {most:9.3g} {unit}"
                   for against, name, unit, count, low, high, most in self.rows]
-        return "\n".join(lines + self.notes)
+        return "\n".join(lines + self.notes + self.missing)
 
 
 def points(axes, limit, count):
@@ -73,15 +73,20 @@ def measure_points(bench, machine, model, chosen, detail, errors):
                 each[again] = more[name]
         good[again] = _good(more)
     driven, speed = np.array(chosen)[:, 2:].T
-    torque = np.array([share * machine.limit(ratio, clamping) for ratio, share, clamping, _ in chosen])
+    torque, drive = np.array([share * machine.limit(ratio, clamping) for ratio, share, clamping, _ in chosen]), []
+    for (ratio, _, clamping, omega), load in zip(chosen, torque):
+        model.begin(drive_mode=0.0, shift_mode=1.0, speed_1=omega, torque_2=load, clamping_2=clamping, ratio_start=ratio,
+                    ratio_target=ratio)
+        drive.append(model.get("shaft_1.torque"))
     power, small = torque * speed / found["ratio_mean"], {name: np.array([each[name] for each in there]) for name in there[0]}
     lost, model_lost = found["loss_total_mean"], small["loss"] * driven * speed
-    against = f"{detail}, points"
+    against = f"{detail}, {good.sum()} points"
     for name, unit, values in (
             ("thrust ratio", "%", 100 * (small["thrust"] * driven / found["shaft_1_clamping_mean"] - 1)),
             ("slip", "points of %", 100 * (small["slip"] - found["slip_mean"])),
             ("efficiency", "points of %", 100 * (power / (power + model_lost) - power / (power + lost))),
             ("losses", "%", 100 * (model_lost / lost - 1)),
+            ("shaft_1.torque", "%", 100 * (drive * speed / (power + lost) - 1)),
             ("tight strand", "%", 100 * (small["tight"] * driven / found["tight_tension_mean"] - 1)),
             ("slack strand", "%", 100 * (small["slack"] * driven / found["slack_tension_mean"] - 1))):
         errors.add(against, name, unit, np.where(good, values, np.nan))
@@ -98,11 +103,11 @@ def measure_course(bench, model, name, errors):
                 "run.output_interval": "1 ms", "run.state_interval": "1 s", "record.channels": _CHANNELS}
     try:
         bench.record(name, settings)
-    except RuntimeError as error:
-        errors.notes.append(f"{name}: not measured: {error}")
+        with h5py.File(os.path.join(bench.runs, f"{name}.h5")) as file:
+            rows = {channel: np.ravel(file["channels"][channel][:]) for channel in ("time", *_CHANNELS)}
+    except (RuntimeError, OSError, KeyError) as error:
+        errors.missing.append(f"{name}: not measured: {error}")
         return
-    with h5py.File(os.path.join(bench.runs, f"{name}.h5")) as file:
-        rows = {channel: np.ravel(file["channels"][channel][:]) for channel in ("time", *_CHANNELS)}
     inputs = {"speed_1": rows["shaft_1/speed"], "clamping_1": rows["shaft_1/clamping"], "clamping_2": rows["shaft_2/clamping"],
               "torque_2": -rows["shaft_2/chain_torque"]}
     if np.mean(rows["shaft_2/chain_torque"]) > 0:
@@ -131,11 +136,7 @@ def measure_course(bench, model, name, errors):
 
 def csv_text(columns):
     """CSV of columns by heading."""
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows([f"{value:.7g}" for value in row] for row in zip(*columns.values()))
-    return file.getvalue()
+    return "\n".join([",".join(columns), *(",".join(f"{value:.7g}" for value in row) for row in zip(*columns.values())), ""])
 
 
 def by_torque(machine, model, axes, safety):
@@ -178,26 +179,31 @@ def matlab_text(axes, torques, tables, safety):
 
 def picture(steady_map, name):
     """The map at the speed and clamping force in the middle, as SVG."""
-    from . import _figures
-
     axes, point = steady_map.axes, steady_map.points
     speed, clamping = (axes[each][len(axes[each]) // 2] for each in ("speed", "clamping"))
     some = (point[:, 2] == clamping) & (point[:, 3] == speed) & (point[:, 1] > 0)
     bad = np.flatnonzero(~steady_map.good[some])
-    panels = []
-    for label, heading in (("efficiency [%]", "efficiency [1]"), ("slip [%]", "slip [1]"), ("thrust ratio", "thrust_ratio [1]")):
-        values = steady_map.columns()[heading][some] * (100 if "%" in label else 1)
-        panel = _figures.Panel(f"{label.partition(' [')[0]} over torque and ratio", "torque of shaft 2 [N·m]", "ratio",
-                               scales=("linear", "log"))
-        panel.fields.append(_figures.Field(label, steady_map.torque[some], point[some, 0], np.where(steady_map.good[some], values, np.nan),
-                                           [("not steady", bad, "//")] if len(bad) else []))
-        panels.append(panel)
+    columns = steady_map.columns()
+    values = {label: np.where(steady_map.good, columns[heading], np.nan)[some] * (100 if "%" in label else 1) for label, heading in (
+        ("efficiency [%]", "efficiency [1]"), ("slip [%]", "slip [1]"), ("thrust ratio", "thrust_ratio [1]"))}
     heading = f"{name}: {clamping / 1e3:.3g} kN on shaft 2, {speed * 30 / math.pi:.0f} rpm on shaft 1"
+    return over_torque(heading, steady_map.torque[some], point[some, 0], values, [("not steady", bad, "//")] if len(bad) else [])
+
+
+def over_torque(heading, torque, ratio, values, marked=()):
+    """Values by label as colours over torque and ratio, as SVG."""
+    from . import _figures
+
+    panels = []
+    for label, each in values.items():
+        panels.append(_figures.Panel(f"{label.partition(' [')[0]} over torque and ratio", "torque of shaft 2 [N·m]", "ratio",
+                                     scales=("linear", "log")))
+        panels[-1].fields.append(_figures.Field(label, torque, ratio, each, list(marked)))
     return _figures.picture(_figures.draw(panels, heading), "svg", "")
 
 
 def _speed_factor(model, small):
-    model.begin(**dict(zip(("speed_1", "torque_2", "clamping_1", "clamping_2"), (small.start[0], *small.start[2:5]))))
+    model.begin(shift_mode=0.0, **dict(zip(("speed_1", "torque_2", "clamping_1", "clamping_2"), (small.start[0], *small.start[2:5]))))
     begin = time.process_time()
     model.advance(1000.0)
     return 1000.0 / (time.process_time() - begin)
@@ -205,10 +211,13 @@ def _speed_factor(model, small):
 
 def requested(request):
     """Reduces the machine that the program requests. Returns what it prints."""
-    begin = time.monotonic()
-    bench = Bench(request)
+    begin, files = time.monotonic(), [f"{request['name']}_fmi{fmi}.fmu" for fmi in (2, 3)]
+    bench = Bench(request, ["map.csv", "map.mat", "combi_table.txt", "advisor.m", "map.svg", "errors.txt", *files])
     machine = Machine(bench.scene)
     axes = axes_of(machine, request["axes"])
+    courses = COURSES if axes["courses"] else ()
+    compared = [f"{count} points at {level}" for level, count in bench.compared(axes) if count]
+    bench.report(", ".join(["measured are the map", "transients of the shift law", *compared, *courses]))
     steady_map = Map(bench, machine, axes)
     law = Law(bench, steady_map)
     small = Small(machine, axes, {**steady_map.values, "shift": law.on(axes), "limit": steady_map.limit}, bench.scene)
@@ -217,7 +226,7 @@ def requested(request):
     some = points(axes, lambda *point: model.values_at(*point)[0]["limit"], max(axes["points"], axes["fine"]))
     for level, count in bench.compared(axes):
         measure_points(bench, machine, model, some[:count], level, errors)
-    for name in COURSES if axes["courses"] else ():
+    for name in courses:
         measure_course(bench, model, name, errors)
     safety = bench.scene["clamping.safety"] or SAFETY
     torques, tables = by_torque(machine, model, axes, safety)
@@ -238,18 +247,18 @@ def requested(request):
     except ImportError:
         errors.notes.append("map.mat: not written, SciPy is not installed (Debian: python3-scipy)")
     lines = [f"{request['name']}: {len(steady_map.points)} points, {steady_map.holes} of them without a steady case (edge of the map)",
-             f"shift law: C {law.range[0]:.3g} to {law.range[1]:.3g}, by {law.count} transients; it misses "
-             f"{100 * law.residual['force']:.1f} % of their rates (rms), with ln(S_1/S_1*) instead of (S_1 - S_1*)/S_2 "
-             f"{100 * law.residual['logarithm']:.1f} %",
+             f"shift law: C {law.range[0]:.3g} to {law.range[1]:.3g}, by {law.count} transients; it misses {100 * law.residual:.1f} % of "
+             "their rates (rms)",
              errors.text(), f"1 ms steps: {_speed_factor(model, small):,.0f} times as fast as the clock"]
-    for fmi in (2, 3):
-        file = f"{request['name']}_fmi{fmi}.fmu"
+    for fmi, file in zip((2, 3), files):
         content, systems = small.fmu(_identifier(request["name"]), fmi, "\n".join(lines[:3]))
         bench.write(file, content)
         lines.append(f"{file}: FMI {fmi}.0, {', '.join(systems)}, {len(content) / 1e3:.0f} kB")
     bench.write("errors.txt", "\n".join(lines) + "\n")
     lines.append(f"written to {request['place']}: {', '.join(written)} and the FMUs, in {time.monotonic() - begin:.0f} s")
-    return ("\n".join(lines) + "\n").encode()
+    for missing in errors.missing:
+        print(missing, file=sys.stderr)
+    return bench.made(lines, len(errors.missing) > 0)
 
 
 def _identifier(name):

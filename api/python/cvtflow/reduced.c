@@ -267,27 +267,6 @@ EXPORT int fmi2DoStep(void* m, double at, double length, int kept) {
 EXPORT int fmi2SetDebugLogging(void* m, int on, size_t n, const Text* categories) {
     return (void)m, (void)on, (void)n, (void)categories, OK;
 }
-/* No variable has another type. */
-#define NONE(name, ...) \
-    EXPORT int NAME(name)(__VA_ARGS__) { return ERROR; }
-NONE(GetInteger, void* m, const unsigned* r, size_t n, int* v)
-NONE(GetBoolean, void* m, const unsigned* r, size_t n, int* v)
-NONE(GetString, void* m, const unsigned* r, size_t n, Text* v)
-NONE(SetInteger, void* m, const unsigned* r, size_t n, const int* v)
-NONE(SetBoolean, void* m, const unsigned* r, size_t n, const int* v)
-NONE(SetString, void* m, const unsigned* r, size_t n, const Text* v)
-NONE(GetDirectionalDerivative, void* m, const unsigned* z, size_t a, const unsigned* x, size_t b, const double* d, double* e)
-NONE(SetRealInputDerivatives, void* m, const unsigned* r, size_t n, const int* o, const double* v)
-NONE(GetRealOutputDerivatives, void* m, const unsigned* r, size_t n, const int* o, double* v)
-NONE(SerializedFMUstateSize, void* m, void* state, size_t* size)
-NONE(SerializeFMUstate, void* m, void* state, char* bytes, size_t size)
-NONE(DeSerializeFMUstate, void* m, const char* bytes, size_t size, void** state)
-NONE(CancelStep, void* m)
-NONE(GetStatus, void* m, int kind, int* v)
-NONE(GetRealStatus, void* m, int kind, double* v)
-NONE(GetIntegerStatus, void* m, int kind, int* v)
-NONE(GetBooleanStatus, void* m, int kind, int* v)
-NONE(GetStringStatus, void* m, int kind, Text* v)
 #else
 #define NAME(name) fmi3##name
 #include <stdbool.h>
@@ -321,22 +300,6 @@ EXPORT int fmi3SetDebugLogging(void* m, bool on, size_t n, const Text* categorie
 }
 EXPORT void* fmi3InstantiateModelExchange(void) { return NULL; }
 EXPORT void* fmi3InstantiateScheduledExecution(void) { return NULL; }
-/* No variable has another type, and no function of the rest is offered. */
-#define NONE(name) \
-    EXPORT int fmi3##name(void* m) { return (void)m, ERROR; }
-#define TYPE(name) NONE(Get##name) NONE(Set##name)
-TYPE(Float32)
-TYPE(Int8)
-TYPE(UInt8)
-TYPE(Int16)
-TYPE(UInt16) TYPE(Int32) TYPE(UInt32) TYPE(Int64) TYPE(UInt64) TYPE(Boolean) TYPE(String) TYPE(Binary) TYPE(Clock) TYPE(IntervalDecimal)
-    TYPE(IntervalFraction) TYPE(ShiftDecimal) TYPE(ShiftFraction) NONE(SerializedFMUStateSize) NONE(SerializeFMUState)
-        NONE(DeserializeFMUState) NONE(GetDirectionalDerivative) NONE(GetAdjointDerivative) NONE(GetOutputDerivatives)
-            NONE(GetNumberOfVariableDependencies) NONE(GetVariableDependencies) NONE(EnterConfigurationMode) NONE(ExitConfigurationMode)
-                NONE(EvaluateDiscreteStates) NONE(UpdateDiscreteStates) NONE(EnterEventMode) NONE(EnterStepMode)
-                    NONE(ActivateModelPartition) NONE(EnterContinuousTimeMode) NONE(CompletedIntegratorStep) NONE(SetTime)
-                        NONE(SetContinuousStates) NONE(GetContinuousStateDerivatives) NONE(GetEventIndicators) NONE(GetContinuousStates)
-                            NONE(GetNominalsOfContinuousStates) NONE(GetNumberOfEventIndicators) NONE(GetNumberOfContinuousStates)
 #endif
 
 #if FMI != 0
@@ -350,4 +313,24 @@ EXPORT int NAME(GetFMUState)(void* m, void** state) {
 }
 EXPORT int NAME(SetFMUState)(void* m, void* state) { return state ? (memcpy(m, state, sizeof(Reduced)), OK) : ERROR; }
 EXPORT int NAME(FreeFMUState)(void* m, void** state) { return (void)m, free(*state), *state = NULL, OK; }
+/* No variable has another type, and no function of the rest is offered. */
+#define NONE(name) \
+    EXPORT int NAME(name)(void* m) { return (void)m, ERROR; }
+#define TYPE(name) NONE(Get##name) NONE(Set##name)
+/* clang-format off */
+#if FMI == 2
+TYPE(Integer) TYPE(Boolean) TYPE(String) NONE(GetDirectionalDerivative) NONE(SetRealInputDerivatives)
+NONE(GetRealOutputDerivatives) NONE(SerializedFMUstateSize) NONE(SerializeFMUstate) NONE(DeSerializeFMUstate) NONE(CancelStep)
+NONE(GetStatus) NONE(GetRealStatus) NONE(GetIntegerStatus) NONE(GetBooleanStatus) NONE(GetStringStatus)
+#else
+TYPE(Float32) TYPE(Int8) TYPE(UInt8) TYPE(Int16) TYPE(UInt16) TYPE(Int32) TYPE(UInt32) TYPE(Int64) TYPE(UInt64) TYPE(Boolean)
+TYPE(String) TYPE(Binary) TYPE(Clock) TYPE(IntervalDecimal) TYPE(IntervalFraction) TYPE(ShiftDecimal) TYPE(ShiftFraction)
+NONE(SerializedFMUStateSize) NONE(SerializeFMUState) NONE(DeserializeFMUState) NONE(GetDirectionalDerivative)
+NONE(GetAdjointDerivative) NONE(GetOutputDerivatives) NONE(GetNumberOfVariableDependencies) NONE(GetVariableDependencies)
+NONE(EnterConfigurationMode) NONE(ExitConfigurationMode) NONE(EvaluateDiscreteStates) NONE(UpdateDiscreteStates)
+NONE(EnterEventMode) NONE(EnterStepMode) NONE(ActivateModelPartition) NONE(EnterContinuousTimeMode)
+NONE(CompletedIntegratorStep) NONE(SetTime) NONE(SetContinuousStates) NONE(GetContinuousStateDerivatives)
+NONE(GetEventIndicators) NONE(GetContinuousStates) NONE(GetNominalsOfContinuousStates) NONE(GetNumberOfEventIndicators)
+NONE(GetNumberOfContinuousStates)
+#endif
 #endif

@@ -75,8 +75,9 @@ Action declare(CLI::App& app, const char* command, const char* files) {
             ->type_name("NUMBER")
             ->capture_default_str();
     return [arguments, command] {
-        fmt::print("{}", drawn(request_of(*arguments, command), true));
-        return ExitStatus::finished;
+        const std::string made = drawn(request_of(*arguments, command), true);  // exit status, then lines
+        fmt::print("{}", made.substr(made.find('\n') + 1));
+        return static_cast<ExitStatus>(std::stoi(made));
     };
 }
 
