@@ -386,6 +386,8 @@ class OfAScene(unittest.TestCase):
             if float(row["load_share [1]"]) > 0:
                 power = float(row["torque_2 [N*m]"]) * float(row["speed_1 [rad/s]"]) / float(row["ratio [1]"])
                 self.assertAlmostEqual(float(row["efficiency [1]"]), power / (power + float(row["loss [W]"])), delta=2e-4)
+                limit = float(row["torque_2 [N*m]"]) / float(row["load_share [1]"])  # of the theory, since the last load is steady
+                self.assertAlmostEqual(float(row["torque_limit_2 [N*m]"]), limit, delta=1e-5 * limit)
             kinds = sum(float(row[f"loss_{kind} [W]"]) for kind in ("tips", "joints", "plates", "supports"))
             self.assertAlmostEqual(kinds, float(row["loss [W]"]), delta=0.01 * kinds)
         tables = modelica_tables(Path("reduced/combi_table.txt").read_text())
@@ -443,25 +445,35 @@ class OfAScene(unittest.TestCase):
             return condition()
 
         words, silent = [CVTFLOW, "reduce", "baseline", "-o", "stopped"], subprocess.DEVNULL
-        with subprocess.Popen(words, stdout=silent, stderr=silent) as run:
-            self.assertTrue(eventually(working))
-            run.terminate()
-        self.assertTrue(eventually(lambda: not working()))
+        for of_python in (False, True):
+            with subprocess.Popen(words, stdout=silent, stderr=silent) as run:
+                self.assertTrue(eventually(working))
+                if of_python:
+                    os.kill(int(Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text()), signal.SIGKILL)
+                else:
+                    run.terminate()
+            self.assertTrue(eventually(lambda: not working()))
 
-    def test_clamping_forces_with_a_margin_gain_or_lose_what_runs_do(self):
-        Path("clamp.toml").write_text('ratio = [0.8, 1.25]\nload = [0, 0.45, 0.75]\nclamping = ["15 kN", "25 kN"]\n'
-                                      f'speed = ["2000 rpm", "2100 rpm"]\npoints = 1\nfine = {int(DEEP)}\n')
-        done = cvtflow("clamp", "baseline", "-o", "clamped", "--axes", "clamp.toml", "--margin", "0.3")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        line = next(line for line in done.stdout.splitlines() if line.startswith("  ratio"))
-        by_map, *by_runs = map(float, re.findall(r"[+-]\d\.\d+", line))
-        self.assertEqual(len(by_runs), 1 + DEEP, line)
-        for gain in by_runs:  # points of %; of a map of 196 points they differ by at most 0.053 from the map's
-            self.assertAlmostEqual(gain, by_map, delta=0.1, msg=line)
-        with open("clamped/clamping.csv", encoding="utf-8") as file:
-            for row in csv.DictReader(file):
-                self.assertGreaterEqual(float(row["clamping_2 [N]"]), 15e3 * (1 - 1e-6))
-                self.assertLess(float(row["clamping_1 [N]"]), 2.0 * float(row["clamping_2 [N]"]))
+    def test_clamping_forces_lose_nothing_against_the_safety_factor_in_runs(self):
+        """Also where the axis of loads ends far below the limit. Quick: docs/reduce.md's axes; deep: 15 points of three machines."""
+        Path("clamp.toml").write_text('ratio = [0.6, 1.0, 1.7]\nclamping = ["10 kN", "20 kN", "40 kN"]\npoints = 5\n' * DEEP
+                                      + 'ratio = [0.8, 1.25]\nclamping = ["15 kN", "25 kN"]\npoints = 2\n' * (not DEEP)
+                                      + 'load = [0, 0.3, 0.6]\nspeed = ["2000 rpm", "2600 rpm"]\nfine = 0\n')
+        for number, words in enumerate((["baseline"], ["vl300"], ["baseline", "--set", "tip.friction_coefficient=0.06"])[:3 if DEEP else 1]):
+            done = cvtflow("clamp", *words, "-o", f"clamped_{number}", "--axes", "clamp.toml")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            lines = [line for line in done.stdout.splitlines() if line.startswith("  ratio")]
+            self.assertEqual(len(lines), 5 if DEEP else 2, done.stdout)
+            for line in lines:
+                by_map, *by_runs = map(float, re.findall(r"[+-]\d\.\d+", line))
+                self.assertGreaterEqual(len(by_runs), 1, line)
+                for gain in by_runs:  # points of %, which runs state to 0.02
+                    self.assertGreater(gain, -0.02, line)
+                    self.assertAlmostEqual(gain, by_map, delta=0.1, msg=line)
+            with open(f"clamped_{number}/clamping.csv", encoding="utf-8") as file:
+                for row in csv.DictReader(file):
+                    self.assertGreaterEqual(float(row["clamping_2 [N]"]), (10e3 if DEEP else 15e3) * (1 - 1e-6))
+                    self.assertLess(float(row["clamping_1 [N]"]), 2.0 * float(row["clamping_2 [N]"]))
 
 
 @unittest.skipUnless(DEEP, "a minute of processor time")

@@ -12,6 +12,7 @@ from ._reduction import csv_text, efficiency, over_torque
 from ._small import Small
 
 SHARES = (0.0, 0.4, 0.6, 0.75, 0.85, 0.92, 0.97)
+_WORTH = 5e-4  # gain of efficiency from which another force than that of the safety factor is recommended: maps miss gains by so much
 _CHECKED = 5  # points at most at which both clamping forces run, at each level of detail
 
 
@@ -27,15 +28,19 @@ class Rule:
         return float(np.clip(self._safety * torque / self._machine.limit(ratio, 1.0), *self._range))
 
     def best(self, ratio, torque, speed):
-        """Clamping force, and what decides: efficiency, slip or range. None: no force of the range keeps the margin."""
-        forces = np.geomspace(*self._range, 60)
+        """Clamping force, and what decides: efficiency, slip, range, or safety where no other force is better by _WORTH. None: no force of
+        the range keeps the margin."""
+        today = self.today(ratio, torque)
+        forces = np.sort([*np.geomspace(*self._range, 60), today])
         places = [self._model.values_at(ratio, torque / self._machine.limit(ratio, each), each, speed)[0] for each in forces]
         shares = np.array([torque / self._machine.limit(ratio, each) for each in forces])
         allowed = np.flatnonzero((1.0 + self._margin) * shares <= [each["limit"] for each in places])
         if not len(allowed):
             return None
-        values = [efficiency(self._machine, self._model, ratio, torque, forces[k], speed)[0] for k in allowed]
-        chosen = allowed[int(np.argmax(values))]
+        values = {k: efficiency(self._machine, self._model, ratio, torque, forces[k], speed)[0] for k in allowed}
+        chosen, usual = max(values, key=values.get), np.searchsorted(forces, today)
+        if usual in values and usual != chosen and values[chosen] - values[usual] < _WORTH:
+            return today, "safety"
         return float(forces[chosen]), "range" if chosen == 0 else "slip" if chosen == allowed[0] else "efficiency"
 
 
@@ -88,12 +93,11 @@ def requested(request):
     begin = time.monotonic()
     bench = Bench(request, ("clamping.csv", "clamping.svg"))
     machine, margin = Machine(bench.scene), request["margin"]
-    axes = axes_of(machine, request["axes"])
+    axes = axes_of(machine, request["axes"], SHARES)
+    axes["load"] = np.append(axes["load"], [share for share in SHARES if share > axes["load"][-1] + 0.01])  # to the limit of slip
     speed, safety = float(np.median(axes["speed"])), bench.scene["clamping.safety"] or SAFETY
     axes["speed"] = np.array([speed])
-    if "load" not in request["axes"]:
-        axes["load"] = np.array(SHARES)
-    steady_map = Map(bench, machine, axes)
+    steady_map = Map(bench, machine, axes, theory=False)
     values = {**steady_map.values, "shift": 0 * steady_map.limit, "limit": steady_map.limit}
     axes["speed"] = np.array([0.9, 1.1]) * speed  # the map is the same at all speeds
     model = Small(machine, axes, {name: np.repeat(each, 2, axis=0) for name, each in values.items()}, bench.scene).load()
@@ -110,7 +114,7 @@ def requested(request):
     gains, decides = after - before, [row[7] for row in rows]
     lines = [f"{request['name']}: {len(rows)} points at {speed * 30 / math.pi:.0f} rpm, margin of slip {100 * margin:.0f} % of the load "
              f"beside the safety factor {safety:g}",
-             "  decided by " + ", ".join(f"{name} {decides.count(name)}" for name in ("efficiency", "slip", "range")),
+             "  decided by " + ", ".join(f"{name} {decides.count(name)}" for name in ("efficiency", "slip", "range", "safety")),
              f"  gain {100 * np.median(gains):+.3f} points of efficiency in the median, {100 * gains.min():+.3f} to "
              f"{100 * gains.max():+.3f}",
              *_confirmed(bench, machine, model, rows, speed, axes),

@@ -299,7 +299,7 @@ def _good(found):
 class Map:
     """Steady values over speed, clamping, ratio and load: dimensionless arrays by name. Holes are filled, and above `limit`."""
 
-    def __init__(self, bench, machine, axes, settings=None, name="map"):
+    def __init__(self, bench, machine, axes, theory=True):
         self.machine, self.axes = machine, axes
         names = ("speed", "clamping", "ratio", "load")
         grid = np.stack(np.meshgrid(*(axes[each] for each in names), indexing="ij"), axis=-1)
@@ -321,14 +321,16 @@ class Map:
                "slack": found["slack_tension_mean"] / driven}
         self.losses, self.torque = losses, points[:, 1] * [machine.limit(*each) for each in points[:, [0, 2]]]
         self.values = {name: self._filled(each) for name, each in raw.items()}
-        self.limit = np.repeat(self._limits(), loads, axis=-1)
+        self.limit = np.repeat(self._limits(theory), loads, axis=-1)
         self.holes = int((~self.good).sum())
 
-    def _limits(self):
-        """Of each line the largest load with a steady case without gross slip; between such cases there is no limit."""
+    def _limits(self, theory):
+        """Of each line the largest load with a steady case without gross slip; between such cases there is no limit. theory: where the
+        last load is steady, the map does not contain the limit, and that of the theory is taken, of share 1."""
         good = self.good.reshape(self.shape)
         last = self.shape[-1] - 1 - np.argmax(good[..., ::-1], axis=-1)
-        return np.where(good.any(axis=-1), self.axes["load"][last], -1e-9)[..., None]
+        limit = np.where(theory & (last == len(self.axes["load"]) - 1), np.maximum(1.0, self.axes["load"][last]), self.axes["load"][last])
+        return np.where(good.any(axis=-1), limit, -1e-9)[..., None]
 
     def _filled(self, values):
         """A grid without holes: linear along the load, level beyond; a line without cases is that of the next clamping force or speed."""
