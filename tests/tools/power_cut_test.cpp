@@ -1,10 +1,8 @@
-/// Writes that end early: power cuts, which keep of the unsynced data nothing or a part, and kills between two pages of a file.
+/// Power cuts, which keep of the unsynced data nothing or a part.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -14,15 +12,12 @@
 #include <map>
 #include <memory>
 #include <random>
-#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "engine/base/hash.hpp"
-#include "engine/record/run/run_file.hpp"
 #include "engine/record/run/run_reader.hpp"
-#include "tasks/batch/results/sweep_files.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 #ifdef CVTFLOW_POWER
@@ -345,150 +340,11 @@ TEST_F(PowerCut, OfAWorkerLeavesWhatLeadsToTheSameBits) {
     EXPECT_GE(continued_, test::depth(1, 5));
 }
 
-/// Blocks of a new table reach the disk in any order. Few cuts of a whole sweep fall into this moment.
-TEST_F(PowerCut, WhileATableIsCreatedLeavesWhatTheSweepMayReplace) {
-    std::vector<Change> changes = logged_sweep(sweep_order);
-    const std::string table = (work_ / "out" / "cases.h5").string(), part = table + ".part";
-    const auto named = [&](const Change& change) { return change.what == "rename" && change.to == table; };
-    changes.erase(std::find_if(changes.begin(), changes.end(), named), changes.end());
-    const std::string definition = engine::CaseReader(table).head().attribute("definition");
-    std::mt19937 chance(5);
-    const int cuts = test::depth(400, 4000);
-    int torn = 0;
-    for (int cut = 0; cut < cuts; ++cut) {
-        clear_work();
-        cut_power(changes, chance() % (changes.size() + 1), Disk::journalled, work_, chance);
-        std::error_code absent;
-        torn += std::filesystem::file_size(part, absent) > 0 && !absent;
-        if (std::filesystem::is_directory(work_ / "out")) {
-            EXPECT_NO_THROW((void)tasks::permit_table(table, definition)) << "cut " << cut;
-        }
-    }
-    EXPECT_GE(torn, cuts / 20);
-}
-
-/// Files of a series are synced together, before the first has its name.
-TEST_F(PowerCut, OfAnExportLeavesCompleteFilesUnderTheirNames) {
-    ASSERT_EQ(run_at_work({"run", "tiny", "--until", "0.5 ms", "--set", "start.settling_time=0", "-o", "r.h5", "-q"}).status, 0);
-    const std::vector<Change> changes = logged({"export", "r.h5", "--vtk", "s.pvd"});
-    std::map<fs::path, std::string> whole;
-    for (const char* name : {"s.pvd", "s/s_000000.vtu", "s/s_000003.vtu", "s/s_000005.vtu"}) whole[name] = read(work_ / name);
-    std::mt19937 chance(23);
-    std::set<fs::path> named;
-    for (int cut = 0; cut < test::depth(40, 400); ++cut) {
-        clear_work();
-        cut_power(changes, changes.size() - chance() % 24, cut % 2 == 0 ? Disk::dropped : Disk::journalled, work_, chance);
-        for (const auto& [name, bytes] : whole) {
-            if (!fs::exists(work_ / name)) continue;
-            named.insert(name);
-            EXPECT_TRUE(read(work_ / name) == bytes) << name << " of cut " << cut;
-            EXPECT_TRUE(fs::exists(work_ / "s/s_000005.vtu") || name != "s.pvd") << "cut " << cut;
-        }
-    }
-    EXPECT_EQ(named.size(), whole.size());
-}
-
 using NightlyPowerCut = PowerCut;
 
 TEST_F(NightlyPowerCut, TwoHundredOfARun) { single_run(200); }
 TEST_F(NightlyPowerCut, TwoHundredOfASweep) { sweep(200, sweep_order); }
 TEST_F(NightlyPowerCut, TwoHundredOfAWorker) { sweep(200, worker_order); }
-
-// A kill (SIGKILL) ends a write of the kernel between two pages of the file. Whatever write that is, the record that is left is readable.
-
-constexpr int rows = 3000, rows_per_flush = 20;
-constexpr std::size_t links = 65;  // chunks of 8 rows then have 4,160 bytes, more than a page
-
-/// The writer, which the test below starts with the path of the record and a log of all writes; not a test itself.
-TEST(KilledRecordWriter, DISABLED_Writes) {
-    engine::RunContents contents;
-    contents.channels = {{.name = "one", .unit = "1"}, {.name = "links/many", .unit = "N", .width = links, .axis = "link"}};
-    contents.state_size = 5;
-    contents.state_description = "five";
-    contents.tables = {{"events", "of a table", {{"time", "s"}}}};
-    const char* path = std::getenv("CVTFLOW_KILLED_RECORD");
-    ASSERT_NE(path, nullptr);
-    engine::RunFile file({path, {}}, contents, {.flush_seconds = 1e9, .channel_rows = 8});
-    for (int i = 0; i < rows; ++i) {
-        const double number = i;
-        file.append(number, std::vector<double>(1 + links, number));
-        file.append_state(number, std::vector<double>(5, number), {});
-        file.append_row("events", std::vector<double>{number});
-        if ((i + 1) % rows_per_flush == 0) file.flush();
-    }
-}
-
-/// The record as the kernel has it.
-struct Kept {
-    std::uint64_t inode = 0;
-    std::string bytes;
-    std::size_t flushed = 0;  ///< rows of completed flushes
-};
-
-/// Rows that a reader finds, each checked.
-std::size_t readable_rows(const std::string& path) {
-    const engine::RunReader reader(path);
-    const auto times = reader.times(), many = reader.channel("links/many"), state_times = reader.state_times();
-    for (std::size_t i = 0; i < times.size(); ++i)
-        if (times[i] != static_cast<double>(i) || many[links * (i + 1) - 1] != times[i])
-            throw std::runtime_error("row " + std::to_string(i));
-    if (!state_times.empty() && reader.state(state_times.size() - 1).state.back() != state_times.back())
-        throw std::runtime_error("last state");
-    return times.size();
-}
-
-class KilledRecord : public testing::Test {
-protected:
-    KilledRecord() { std::filesystem::create_directories(folder_); }
-    ~KilledRecord() override { std::filesystem::remove_all(folder_); }
-
-    [[nodiscard]] std::vector<Change> logged() const {
-        const std::string command = preload(CVTFLOW_POWER) + " CVTFLOW_POWER_LOG=" + (folder_ / "log").string() +
-                                    " CVTFLOW_KILLED_RECORD=" + path_ + " '" + std::filesystem::read_symlink("/proc/self/exe").string() +
-                                    "' --gtest_also_run_disabled_tests --gtest_filter=KilledRecordWriter.* > /dev/null";
-        EXPECT_EQ(std::system(command.c_str()), 0);
-        return read_power_log(folder_ / "log", folder_);
-    }
-
-    /// The record after a kill within `change`.
-    /// @param border  of two pages, up to which the kernel came
-    void expect_readable(const Kept& kept, const Change& change, std::size_t border) {
-        std::string torn = kept.bytes;
-        Change part = change;
-        part.bytes.resize(border - change.at);
-        carry_out(part, torn);
-        std::ofstream(left_, std::ios::binary) << torn;
-        try {
-            EXPECT_GE(readable_rows(left_), kept.flushed);
-        } catch (const std::exception& error) {
-            ADD_FAILURE() << change.bytes.substr(0, 4) << ", " << change.bytes.size() << " bytes at " << change.at << ": " << error.what();
-        }
-    }
-
-    const std::filesystem::path folder_ = std::filesystem::temp_directory_path() / ("cvtflow_killed_" + std::to_string(getpid()));
-    const std::string path_ = (folder_ / "run.h5").string(), left_ = (folder_ / "left.h5").string();
-};
-
-/// Quick: every twentieth border of two pages.
-TEST_F(KilledRecord, IsReadableWhereverAWriteEnded) {
-    const int each = test::depth(20, 1);
-    const std::vector<Change> changes = logged();
-    Kept kept;
-    int cuts = 0, flushes = 0;
-    const auto end_of = [](const Change& change) { return change.what == "write" ? change.at + change.bytes.size() : 0; };
-    for (const Change& change : changes) {
-        if (change.what == "create" && change.path == path_ + ".part") kept.inode = change.inode;
-        if (change.inode != kept.inode || kept.inode == 0) continue;
-        if (change.what == "sync" && flushes < rows / rows_per_flush) kept.flushed = static_cast<std::size_t>(rows_per_flush * ++flushes);
-        for (std::size_t border = (change.at / page_size + 1) * page_size; flushes > 0 && border < end_of(change);
-             border += page_size, ++cuts) {
-            if (cuts % each == 0) expect_readable(kept, change, border);
-        }
-        if (change.what == "write" || change.what == "size") carry_out(change, kept.bytes);
-    }
-    EXPECT_EQ(flushes, rows / rows_per_flush);
-    EXPECT_GE(cuts, rows / 8 - rows_per_flush) << "chunks of rows after the first flush";
-}
 
 }  // namespace
 }  // namespace cvtflow::tools

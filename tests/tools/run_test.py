@@ -9,10 +9,8 @@ import subprocess
 from pathlib import Path
 
 from messages_test import commands_of
-from program import (BRIEFLY, BUILD, DEEP, LAB, PROGRAM, SETTLING, SOURCE, Program, attribute, channel, hash_in, hash_of, main, preload,
-                     read, rows_of,
-                     with_faults, words_of, write, write_sweep)
-
+from program import (BRIEFLY, BUILD, DEEP, LAB, PROGRAM, SETTLING, SOURCE, Program, attribute, channel, hash_in, hash_of, main, read,
+                     rows_of, words_of, write, write_sweep)
 
 
 class Run(Program):
@@ -166,22 +164,6 @@ class Streams(Program):
         self.shell('for k in 1 2; do "$CVTFLOW" export own.h5 slip --csv /dev/stdout >> all.csv; done')
         self.cvtflow("export own.h5 slip --csv once.csv")
         self.assertTrue(read("all.csv").startswith(read("once.csv")) and read("once.csv") in read("all.csv")[1:], read("all.csv"))
-
-    @with_faults
-    def test_a_read_that_fails_is_an_error_and_not_the_end_of_the_file(self):
-        write("scene.toml", "[chain]\npins = 24\n" + "#" * 100000 + '\n[run]\nuntil = "20 us"\n')
-        write_sweep("6", "20 us")
-        write("csv.toml", '[sweep]\nscene = "tiny"\n[[axes]]\ncsv = "axis.csv"\n[outputs]\nscalars = ["slip mean"]\n')
-        write("axis.csv", "load.torque [N*m]\n6\n")
-        for line, message in (("check ./scene.toml", "./scene.toml: cannot be read: Input/output error"),
-                              ("batch sweep.toml --dry-run", "sweep.toml: cannot be read: Input/output error"),
-                              ("batch csv.toml --dry-run", 'axis.csv" cannot be read: Input/output error')):
-            for n in range(1, 101):  # what is mapped where is read first
-                done = self.cvtflow(line, None, LD_PRELOAD=preload(), CVTFLOW_FAULT=f"read:{n}")
-                self.assertEqual(done.status, 1 if done.err else 0, f"{n}: {done.err}")
-                if message in done.err:
-                    break
-            self.has(done.err, message)
 
 
 class RigidPins(Program):
