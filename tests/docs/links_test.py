@@ -1,7 +1,6 @@
 """Links between pages lead to files and headings that exist; decisions and their numbers agree; every block runs, is written, or says why
-not; quoted steps are those of the source, and every nightly suite has its night."""
+not; quoted steps are those of the source."""
 
-import collections
 import os
 import re
 import unittest
@@ -60,17 +59,6 @@ class Pages(unittest.TestCase):
             begin = source.index(f"CycleSequence {function}::step() {{")
             block = source[begin:source.index("\n}\n", begin) + 2].replace("\n", "\n    ")
             self.assertIn(f"    {block}\n", page("ARCHITECTURE.md").text)
-
-
-class Nights(unittest.TestCase):
-    def test_have_every_suite_once(self):
-        script = (TOP / ".ci/run").read_text(encoding="utf-8")
-        listed = collections.Counter(name for names in re.findall(r"^[a-z]+\+?='\|?(\w+(?:\|\w+)*)'", script, re.MULTILINE)
-                                     for name in names.split("|"))
-        written = collections.Counter()
-        for path in [path for ending in ("cpp", "py") for path in (TOP / "tests").rglob(f"*_test.{ending}")]:
-            written.update(set(re.findall(r"^(?:TEST(?:_[FP])?\(|class )Nightly(\w+)[,(]", path.read_text(encoding="utf-8"), re.MULTILINE)))
-        self.assertEqual(listed, written)
 
 
 class Decisions(unittest.TestCase):
