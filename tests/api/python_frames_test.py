@@ -1,7 +1,6 @@
 """Records, recordings and sweeps as scientists use them: frames, states, transitions, elements, plots."""
 
 import contextlib
-import csv
 import importlib.util
 import os
 import shutil
@@ -88,19 +87,6 @@ class Recordings(Folder):
             for time_requested in ["3 us", "17 us", "30 us"]:
                 simulation.advance_to(time_requested)
         np.testing.assert_allclose(cvtflow.Record(self.file)["time"], [0.0, 1e-5, 2e-5, 3e-5], atol=1e-12)
-
-    def test_channels_do_not_depend_on_how_fast_a_simulation_goes(self):
-        """Between two outputs advance_to checks for signals nowhere: means over an output interval are whole."""
-        scene = tiny("run.output_interval=0.1 ms", "run.step=20 ns")
-        whole, torque = cvtflow.Simulation(scene), []
-        whole.advance_to(0.0)
-        whole.advance_to("0.2 ms")
-        for _ in range(3):
-            again = cvtflow.Simulation(scene)
-            again.advance_to("0.1 ms")  # knows its pace from here on
-            again.advance_to("0.2 ms")
-            torque.append(again.channels["shaft_1/chain_torque"])
-        self.assertEqual(torque, [whole.channels["shaft_1/chain_torque"]] * 3)
 
     def test_a_recording_that_is_interrupted_keeps_its_rows(self):
         simulation = cvtflow.Simulation(tiny())
@@ -198,18 +184,6 @@ class Records(Folder):
         self.assertRaisesRegex(KeyError, 'ratoi: there are time, ratio .did you mean "ratio"', lambda: rows["ratoi"])
         self.assertEqual(rows.plot("ratio").axes[0].get_ylabel(), "ratio")
 
-    @matplotlib_only
-    def test_measured_data_are_points_and_have_units(self):
-        record, _ = self.recorded()
-        axes = record.plot("slip", measured={"time [us]": [10.0, 20.0], "slip [%]": [1.5, 1.6]}).axes[0]
-        np.testing.assert_allclose(np.transpose(axes.lines[1].get_data()), [[0.01, 1.5], [0.02, 1.6]])
-
-    def table_of(self, *arguments):
-        """Names and values of the series that `cvtflow plot` writes for the record."""
-        program("plot", self.file, *arguments, "--force", "-o", self.folder + "/p.csv")
-        with open(self.folder + "/p.csv", newline="") as file:
-            return [(row["series"], float(row["x"]), float(row["y"])) for row in csv.DictReader(file)]
-
     def test_means_are_by_the_trapezoidal_rule_over_whole_pin_periods(self):
         rows = cvtflow.run(tiny(), "40 us", channels=["slip"], interval="1 us")
         rows["time"] = np.array([0.0, 1.0, 3.0, 4.0, 8.0])
@@ -226,36 +200,6 @@ class Records(Folder):
         value = record["tight_tension"][window]
         expected = float(((value[1:] + value[:-1]) / 2 @ np.diff(time[window])) / (time[window][-1] - time[window][0]))
         self.assertAlmostEqual(record.means("2 ms")["tight_tension"], expected, delta=1e-9 * expected)
-
-    @matplotlib_only
-    def test_losses_are_drawn_as_the_program_draws_them(self):
-        record, _ = self.recorded()
-        there = self.table_of("--losses")
-        axes = record.plot_losses().axes[0]
-        self.assertEqual([label.get_text() for label in axes.get_yticklabels()], [name for name, _, _ in there])
-        power = [power for _, _, power in there]  # with 9 digits
-        np.testing.assert_allclose([bar.get_width() for bar in axes.patches], power, rtol=1e-8)
-        total = sum(power)
-        self.assertEqual(axes.get_title(loc="left"), f"Losses by kind: {total:.4g} W on average")
-        self.assertEqual(axes.texts[0].get_text().strip(), f"{power[0]:.4g} W ({100 * power[0] / total:.1f} %)")
-        self.assertIs(record.plot_losses(ax=axes), axes.figure)
-        record._columns = []
-        self.assertRaisesRegex(ValueError, "the record has no losses", record.plot_losses)
-
-    @matplotlib_only
-    def test_orders_are_drawn_as_the_program_draws_them(self):
-        record, _ = self.recorded(until="0.2 ms")
-        there = np.array([row[1:] for row in self.table_of("tight_tension", "--orders") if row[0] == "tight_tension"])
-        axes = record.plot_orders("tight_tension").axes[0]
-        rounding = 1e-12 * there[:, 1].max()  # all that the mean and the trend leave of order 0
-        own = next(line for line in axes.lines if line.get_label() == "tight_tension")
-        np.testing.assert_allclose(np.transpose(own.get_data()), there, rtol=1e-8, atol=rounding)
-        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("order of the passing pins", "amplitude of tight tension [kN]"))
-        elsewhere = {"parameters": record.attributes["parameters"].replace('state = ""', 'state = "/nowhere.h5"')}
-        self.assertIn("/nowhere.h5", elsewhere["parameters"])
-        with unittest.mock.patch.object(cvtflow.Record, "attributes", elsewhere):  # of a run whose start state is not here
-            self.assertEqual(cvtflow.Record(self.file).plot_orders("slip").axes[0].get_xlabel(), "order of the passing pins")
-        self.assertRaisesRegex(ValueError, "orders need 8 rows at least", self.recorded()[0].plot_orders, "slip")
 
     @unittest.skipUnless(importlib.util.find_spec("xarray") and importlib.util.find_spec("h5netcdf"), "xarray or h5netcdf is not installed")
     def test_records_open_with_named_times_and_units_without_this_package(self):
@@ -338,39 +282,6 @@ class Sweeps(Folder):
         self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("clamping driving [N]", "mean slip"))
         self.assertEqual(list(axes.lines[0].get_xdata()), [7000, 8000])
         self.assertEqual(len(results.plot(x="load.torque", y="slip mean", by=[]).axes[0].lines), 1)
-
-    @staticmethod
-    def drawn_value(axes, x, y, values):
-        """Value that the colour of the picture at (x, y) stands for, by the colour map from the least to the largest of the values."""
-        import matplotlib
-
-        canvas = axes.figure.canvas
-        canvas.draw()
-        pixels = np.asarray(canvas.buffer_rgba())
-        column, row = axes.transData.transform((x, y))
-        colour = np.median(pixels[len(pixels) - 1 - int(row) - 6:, int(column) - 6:][:13, :13, :3], axis=(0, 1)) / 255.0  # without hatches
-        palette = matplotlib.colormaps[matplotlib.rcParams["image.cmap"]](np.linspace(0.0, 1.0, 256))[:, :3]
-        return np.min(values) + np.ptp(values) * np.argmin(((palette - colour) ** 2).sum(axis=1)) / 255.0
-
-    @matplotlib_only
-    def test_results_are_drawn_as_a_map(self):
-        results = self.results()
-        axes = results.map("load.torque", "clamping.driving", "slip mean").axes[0]
-        slip = 100.0 * results["slip_mean"]  # cases: 12 N*m at 7 and 8 kN, 6 N*m at 7 and 8 kN
-        for torque, force, case in ((12, 7, 0), (12, 8, 1), (6, 7, 2), (6, 8, 3)):
-            drawn = self.drawn_value(axes, torque + 0.05 * (9 - torque), force + 0.05 * (7.5 - force), slip)
-            self.assertLess(abs(drawn - slip[case]), 0.2 * np.ptp(slip), f"{torque} N*m, {force} kN")  # 12 steps of colour, near a corner
-        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("load torque [N·m]", "clamping driving [kN]"))
-        self.assertEqual(axes.figure.axes[1].get_ylabel(), "mean slip [%]")
-        self.assertEqual(axes.get_title(loc="left"), "mean slip over load torque and clamping driving")
-        axes.figure.canvas.draw()
-        self.assertTrue(axes.texts)
-        for label in axes.texts:  # of contours, none cut off by the frame
-            box = label.get_window_extent()
-            self.assertTrue(axes.bbox.contains(box.x0, box.y0) and axes.bbox.contains(box.x1, box.y1), label.get_text())
-        points = results.where(clamping__driving="7 kN").map("load.torque", "clamping.driving", "slip mean").axes[0]
-        np.testing.assert_allclose(points.collections[0].get_offsets(), [[12, 7], [6, 7]])
-        self.assertRaisesRegex(ValueError, "among clamping_driving", results.map, "load.torque", "load.torque", "slip mean")
 
     @pandas_only
     def test_results_become_a_table_over_two_axes_and_cases_are_chosen(self):

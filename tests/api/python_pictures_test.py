@@ -13,10 +13,9 @@ import cvtflow
 
 numbers = importlib.import_module("cvtflow._numbers")
 try:
-    from cvtflow import _figures as figures
-    from cvtflow import maps, plots
+    from cvtflow import plots
 except ImportError:  # without Matplotlib
-    figures = maps = plots = None
+    plots = None
 
 
 class Numbers(unittest.TestCase):
@@ -137,18 +136,6 @@ class Maps(unittest.TestCase):
         axes = self.axes(grid(error_of_slip_mean=errors, settled_for=np.ones(9)))  # errors of means that are steady
         self.assertNotIn("verified", [line.get_label() for line in axes.lines])
 
-    def test_a_map_of_its_own_axis_is_trivial(self):
-        results = cvtflow.Results(grid(ratio_mean=1.001 * grid().read("start_ratio")))
-        self.assertTrue(maps.is_trivial(results, "load_torque", "start_ratio", "ratio_mean"))
-        self.assertFalse(maps.is_trivial(results, "load_torque", "start_ratio", "slip_mean"))
-
-    def test_two_sweeps_are_in_one_frame(self):
-        results = cvtflow.Results(grid())
-        axes = results.plot("load_torque", "slip_mean", others=[results]).axes
-        self.assertEqual(len(axes), 1)
-        self.assertEqual(len(axes[0].lines), 6)
-        self.assertNotEqual(axes[0].lines[0].get_linestyle(), axes[0].lines[3].get_linestyle())
-
 
 @matplotlib_only
 class Orders(unittest.TestCase):
@@ -160,26 +147,6 @@ class Orders(unittest.TestCase):
         for (_, orders, *_), expected in zip(marks, ([1.0, 2.0], [1 / 3, 2 / 3, 4 / 3, 5 / 3, 7 / 3], [0.025])):
             np.testing.assert_allclose(orders, expected)
         self.assertEqual(plots.orders_text(found), "order 1 = 1200 Hz; pitch pattern 0.333, round of the chain 0.0167, shaft 1 0.025")
-
-
-@matplotlib_only
-class Choices(unittest.TestCase):
-    def test_a_line_connects_the_front_and_lost_choices_are_left_out(self):
-        def row(level, seconds, error, front, **more):
-            return {"detail": level, "method": "auto", "share": 1.0, "step": 0.0, "seconds_per_second": seconds, "tried": True, "errors": [error, 0.0],
-                    "front": front, "standing": ""} | more
-
-        rows = [row("rigid", 1.0, 0.02, True), row("", 11.0, 0.03, False, share=0.5), row("fine", 10.0, 0.004, True, standing="chosen"),
-                row("full", 12.0, None, False), row("full", 13.0, 0.1, False, tried=False)]
-        tuning = {"scene": "some", "choices": rows, "accuracy": 0.01, "margin": 2.0, "points": ["start"], "outputs": ["slip", "ratio"]}
-        lines = {line.get_label(): line for line in plots.choices(tuning).axes[0].lines}
-        self.assertEqual([name for name in lines if "auto" in name], ["rigid, auto, auto", "own, auto, auto/2", "fine, auto, auto"])
-        np.testing.assert_allclose(lines["fine, auto, auto"].get_xydata(), [[10.0, 0.4]])
-        front = [line.get_xydata() for line in lines.values() if len(line.get_xydata()) == 2]
-        np.testing.assert_allclose(front[0], [[1.0, 2.0], [10.0, 0.4]])
-        np.testing.assert_allclose(front[1], [[0.8, 0.5], [13.75, 0.5]], err_msg="what is allowed")
-        with self.assertRaisesRegex(ValueError, "no choice has an error"):
-            plots.choices(tuning | {"choices": rows[3:]})
 
 
 @matplotlib_only
@@ -214,43 +181,12 @@ class Files(Folder):
         self.assertTrue(png.startswith(b"\x89PNG"))
         self.assertIn(b"tEXtSoftware\0cvtflow picture ", png[:4096])
 
-    def test_a_hundred_thousand_outputs_stay_below_a_megabyte(self):
-        time = np.linspace(0.0, 1.0, 100000)
-        lines = [figures.Line(name, *numbers.thinned(time, np.sin(k + 5000.0 * time), 1500)) for k, name in enumerate("abcdefgh")]
-        self.assertLess(len(figures.picture(figures.draw([figures.Panel("", "x", "y", lines)]), "svg")), 1e6)
-
-    def test_panels_below_one_another_have_their_time_at_the_same_place(self):
-        record, _ = self.recorded()
-        figure = record.plot("tight_tension", "ratio", "loss")
-        figure.canvas.draw()
-        self.assertEqual(len(figure.axes), 3)
-        self.assertEqual(len({(round(axes.get_position().x0, 6), round(axes.get_position().x1, 6)) for axes in figure.axes}), 1)
-
-    def test_curves_never_have_the_same_style(self):
-        record, _ = self.recorded()
-        lines = [line for axes in record.plot("energy", "dissipated", "work").axes for line in axes.lines]
-        self.assertGreater(len(lines), 8)
-        self.assertEqual(len({(line.get_color(), line.get_linestyle()) for line in lines}), len(lines))
-
-    def test_long_names_leave_the_frame_its_width(self):
-        results = cvtflow.Results(grid())
-        figure = results.plot("load_torque", "slip_mean", by=["start_ratio", "load_torque"])
-        figure.canvas.draw()
-        self.assertGreater(figure.axes[0].get_position().width, 0.8)
-
     def test_losses_of_two_records_are_side_by_side(self):
         record, _ = self.recorded()
         axes = record.plot_losses(others=[record]).axes[0]
         self.assertEqual(len(axes.containers), 2)
         self.assertIn("+0 W", axes.texts[-1].get_text())
         self.assertEqual(np.abs(record.plot_differences(record, "slip").axes[0].lines[-1].get_ydata()).max(), 0.0)
-
-    def test_colours_are_told_apart_in_grey_and_by_who_sees_no_red(self):
-        """Neighbours of the list, by lightness or hue without red (protanopia: Viénot 1999), differ by a tenth at least."""
-        look = np.array([[0.11238, 0.88762, 0.0], [0.11238, 0.88762, 0.0], [0.00401, -0.00401, 1.0]])
-        tints = [np.array([int(figures.colour(k)[at:at + 2], 16) for at in (1, 3, 5)]) / 255.0 for k in range(8)]
-        for first, second in zip(tints, tints[1:]):
-            self.assertGreater(np.linalg.norm(look @ first**2.2 - look @ second**2.2), 0.1)
 
 
 main() if __name__ == "__main__" else None

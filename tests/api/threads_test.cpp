@@ -72,13 +72,6 @@ TEST(HostSnapshot, IsReadByOthersWhileItSteps) {
     EXPECT_EQ(code_of([&] { Snapshot(simulation, {"no/such"}); }), ErrorCode::argument);
 }
 
-TEST(HostThreads, ASimulationMayWanderFromThreadToThread) {
-    const Scene scene = tiny();
-    Simulation simulation(scene, Threads::private_arena(2));
-    for (int k = 1; k <= 5; ++k) std::jthread([&] { simulation.advance_to(-3e-4 + 1e-5 * k); });
-    EXPECT_EQ(simulation.hash(), serial_hash(scene, -2.5e-4));
-}
-
 TEST(HostThreads, ASecondCallIsRefusedWhileOneIsUnderWay) {
     Simulation simulation(tiny());
     std::atomic<bool> inside = false;
@@ -123,14 +116,6 @@ TEST(HostThreads, CancellationFromAnotherThreadEndsOneCallSoon) {
     }
 }
 
-TEST(HostThreads, AWishBeforeTheCallCountsForTheNextOne) {
-    Simulation simulation(tiny());
-    simulation.cancel();
-    EXPECT_EQ(code_of([&] { simulation.advance_to(-2.9e-4); }), ErrorCode::cancelled);
-    EXPECT_EQ(simulation.time(), -3e-4);
-    EXPECT_EQ(code_of([&] { simulation.advance_to(-2.9e-4); }), ErrorCode::none);
-}
-
 TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
     const Scene scene = tiny();
     const std::uint64_t expected = serial_hash(scene, -2.8e-4);
@@ -167,32 +152,6 @@ TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
         });
         EXPECT_EQ(moonlighting, 0) << "a host task ran inside advance_to()";
     }
-}
-
-TEST(HostThreads, OneSimulationPerTaskOfAHostsParallelLoop) {
-    const Scene scene = tiny();
-    const std::uint64_t expected = serial_hash(scene, -2.9e-4);
-    std::atomic<int> right = 0;
-    oneapi::tbb::parallel_for(0, 12, [&](int k) {
-        const Threads ways[] = {Threads::caller(), Threads::private_arena(2), Threads::current_arena(2)};
-        Simulation simulation(scene, ways[k % 3]);
-        simulation.advance_to(-2.9e-4);
-        right += simulation.hash() == expected ? 1 : 0;
-    });
-    EXPECT_EQ(right, 12);
-}
-
-TEST(HostThreads, AHostThatUsesOpenMp) {
-    const Scene scene = tiny();
-    const std::uint64_t expected = serial_hash(scene, -2.9e-4);
-    int right = 0;
-#pragma omp parallel for num_threads(4) reduction(+ : right)
-    for (int k = 0; k < 8; ++k) {
-        Simulation simulation(scene, k % 2 == 0 ? Threads::caller() : Threads::private_arena(2));
-        simulation.advance_to(-2.9e-4);
-        right += simulation.hash() == expected ? 1 : 0;
-    }
-    EXPECT_EQ(right, 8);
 }
 
 /// Makes a simulation and uses it on a thread with a stack of this size. @param base  where the stack lies; null: anywhere
@@ -251,18 +210,6 @@ TEST(Scene, TakesSettingsInBraces) {
     EXPECT_EQ(both.value("run.seed"), "7");
     EXPECT_EQ(both.value("run.step"), tiny().with("run.step=100 ns").value("run.step"));
     EXPECT_EQ(tiny().with({"run.seed=3"}).value("run.seed"), "3");
-}
-
-TEST(NightlyHostThreads, TheFirstStepComesSoon) {
-    const Scene scene = tiny();
-    for (const Threads threads : ways()) {
-        const auto begin = std::chrono::steady_clock::now();
-        Simulation simulation(scene, threads);
-        simulation.step();
-        const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        RecordProperty("time_to_first_step_us", std::to_string(1e6 * wall));
-        EXPECT_LT(wall, 2.0) << "some milliseconds on a quiet machine";
-    }
 }
 
 }  // namespace

@@ -1,14 +1,8 @@
-/// Kernels of every instruction set. Links and their tips side by side against those one by one, observed or not: a lane gives the same
-/// bits whatever its neighbours are. Friction in floats: what friction changes in the whole right-hand side but for rounding, and the same
-/// bits however it is computed. Links at a step's end, against a plain loop.
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,8 +10,7 @@
 #include "model/contact/friction_operator.hpp"
 #include "model/contact/friction_stage.hpp"
 #include "model/kernels/available_isas.hpp"
-#include "model/kernels/kernels.hpp"
-#include "model/kernels/step_end.hpp"
+#include "model/law/phase_rule.hpp"
 #include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 #include "tests/oracle/random_state.hpp"
@@ -25,6 +18,10 @@
 
 namespace cvtflow::model {
 namespace {
+
+// Kernels of every instruction set. Links and their tips side by side against those one by one, observed or not: a lane gives the same bits
+// whatever its neighbours are. Friction in floats: what friction changes in the whole right-hand side but for rounding, and the same bits
+// however it is computed.
 
 /// Link by link: slopes, then the reactions of those that touch, as far as the pulleys read them.
 std::vector<double> outcome(const Variator& variator, const oracle::RandomState& random, int first, int last, bool observe) {
@@ -274,92 +271,56 @@ TEST(FrictionKernels, GiveTheSameBitsForRangesOfAnyLengthAndEveryInstructionSet)
     }
 }
 
-constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double limit = 1e4, step = 2e-6;
+// Which tips touch, as a record of contacts finds them. (Friction by its kernels: tests/model/kernels/kernels_test.cpp)
 
-/// Links with numbers that are drawn, one more block of canaries behind them.
-struct Links {
-    int links, size;
-    FloatColumns velocity;
-    std::vector<double> counted_from, start, end, secants;
-
-    explicit Links(int links_) : links(links_), size(ChainLayout{}.link_size()), velocity(size, links + 2) {
-        std::mt19937_64 chance(7);
-        std::uniform_real_distribution<double> drawn(-9.0, 9.0);
-        for (std::vector<double>* each : {&counted_from, &start, &end, &secants}) {
-            each->resize(static_cast<std::size_t>(2 * size * (links + 1)));
-            for (double& number : *each) number = drawn(chance);
-        }
-        for (int row = 0; row < size; ++row) {
-            for (int column = 0; column < velocity.stride() - 1; ++column) *velocity.at(row, column) = static_cast<float>(nan);
-            for (int link = 0; link < links; ++link) *velocity.at(row, 1 + link) = static_cast<float>(drawn(chance));
-        }
+/// Phases that a record finds in ranges of a length, beginning with all tips in a phase.
+std::vector<Phase> found_phases(const Variator& variator, const oracle::RandomState& random, Phase begin, TipSearch& search, int length) {
+    const ChainLayout& at = variator.layout();
+    EvaluationScratch scratch(at);
+    fill_window(variator, random.state.data(), scratch);
+    variator.pulleys().motions(random.state.data() + at.pulley_begin(), scratch.sheaves);
+    const FrictionOperator friction = make_friction(variator.chain(), false);
+    ContactField field(variator.chain());
+    FloatColumns frictionless(at.link_size(), at.links + 2), velocity(at.link_size(), at.links + 2);
+    std::vector<Phase> phases(random.phases.size(), begin);
+    search.phases = phases.data();
+    for (int first = 0; first < at.links; first += length) {
+        const ChainRange range{first, std::min(first + length, at.links), scratch.window.data() + first * at.link_block(), scratch.sheaves,
+                               phases.data()};
+        friction.record(range, {}, {random.state.data() + at.link_begin(first), field, frictionless, velocity},
+                        scratch.loads.data() + first, &search);
     }
+    return phases;
+}
 
-    bool finish(Isa isa, bool with_secants) {
-        return kernels_of(isa).friction().end({velocity.at(0, 1), velocity.stride(), counted_from.data(), start.data(), end.data(),
-                                               with_secants ? secants.data() : nullptr, step, limit},
-                                              links);
-    }
-    /// finish() number by number.
-    void finish_plainly(bool with_secants) {
-        for (int link = 0; link < links; ++link) {
-            for (int row = 0; row < size; ++row) {
-                const auto q = static_cast<std::size_t>(2 * size * link + row), v = q + static_cast<std::size_t>(size);
-                end[v] = *velocity.at(row, 1 + link) + counted_from[v];
-                end[q] = start[q] + 0.5 * step * (start[v] + end[v]);
-                if (!with_secants) continue;
-                secants[q] = end[v];
-                secants[v] = (end[v] - start[v]) / step;
+TEST(FrictionOperator, ARecordFindsTheTipsThatTouchByTheRule) {
+    const PhaseRule rule;
+    for (const auto pulleys : {PulleyDetail::rigid, PulleyDetail::elastic}) {
+        Parameters p = oracle::small_scene();
+        p.detail.pulleys = pulleys;
+        const auto random = oracle::random_state(p, 33);
+        const Variator variator(p);
+        SheaveMotion sheaves[4];
+        variator.pulleys().motions(random.state.data() + variator.layout().pulley_begin(), sheaves);
+        for (const Phase begin : {Phase::free, Phase::touching}) {
+            std::vector<Phase> due;
+            double deepest = 0.0;
+            for (int link = 0; link < p.chain.pins; ++link) {
+                TipProbe probe;
+                variator.chain().probe(random.state.data() + variator.layout().link_begin(link), sheaves, false, probe);
+                for (const double depth : probe.depth) {
+                    due.push_back(rule.next(begin, {depth, 0.0}));
+                    deepest = std::max(deepest, depth);
+                }
             }
-        }
-    }
-};
-
-void expect_plain_bits(int links, bool with_secants) {
-    Links plain(links);
-    plain.finish_plainly(with_secants);
-    for (const Isa isa : usable_isas()) {
-        Links computed(links);
-        EXPECT_TRUE(computed.finish(isa, with_secants)) << "NaN beside the links has no effect";
-        for (const auto& [is, expected] : {std::pair{&computed.end, &plain.end}, {&computed.secants, &plain.secants}}) {
-            EXPECT_EQ(std::memcmp(is->data(), expected->data(), is->size() * sizeof(double)), 0)
-                << name_of(isa) << ", " << links << " links";
-        }
-    }
-}
-
-TEST(StepEnd, HasTheBitsOfAPlainLoopForEveryNumberOfLinks) {
-    for (int links = 1; links <= 33; ++links) expect_plain_bits(links, links % 2 == 0);
-}
-
-/// Whether links are sound of which one number is another one.
-bool sound_with(Isa isa, int link, bool coordinate, double number) {
-    constexpr int links = 19;
-    Links computed(links);
-    const int place = 2 * computed.size * link + 5;
-    if (coordinate) {
-        computed.start[static_cast<std::size_t>(place)] = number;
-    } else {  // nothing but what it counts from: a float cannot have every double
-        *computed.velocity.at(5, 1 + link) = 0.0F;
-        computed.counted_from[static_cast<std::size_t>(place + computed.size)] = number;
-    }
-    return computed.finish(isa, true);
-}
-
-TEST(StepEnd, NoticesEveryNumberThatIsBeyondTheLimitOrNone) {
-    const double beyond = std::nextafter(limit, infinity);
-    for (const Isa isa : usable_isas()) {
-        for (const int link : {0, 7, 18}) {
-            for (const double sign : {-1.0, 1.0}) {
-                EXPECT_TRUE(sound_with(isa, link, false, sign * limit)) << "the limit itself";
-                EXPECT_FALSE(sound_with(isa, link, false, sign * beyond));
-                for (const bool coordinate : {false, true}) EXPECT_FALSE(sound_with(isa, link, coordinate, sign * infinity));
-                EXPECT_FALSE(sound_with(isa, link, true, sign * 1.1 * limit));
-            }
-            for (const bool coordinate : {false, true}) {
-                EXPECT_FALSE(sound_with(isa, link, coordinate, nan));
-                EXPECT_TRUE(sound_with(isa, link, coordinate, 1e-310)) << "denormal";
+            EXPECT_GT(std::count(due.begin(), due.end(), Phase::touching), 8) << "tips of both kinds";
+            EXPECT_GT(std::count(due.begin(), due.end(), Phase::free), 8);
+            for (const int length : {1, 3, p.chain.pins}) {
+                TipSearch in_limits{nullptr, rule.release, deepest, 0.0, 1.0}, beyond{nullptr, rule.release, 0.9 * deepest, 0.0, 1.0};
+                EXPECT_EQ(found_phases(variator, random, begin, in_limits, length), due) << length;
+                EXPECT_FALSE(in_limits.suspect);
+                (void)found_phases(variator, random, begin, beyond, length);
+                EXPECT_TRUE(beyond.suspect);
             }
         }
     }

@@ -1,8 +1,3 @@
-/// Laws of friction: profiles over speed and factors of tips, the catalogue of laws, and friction that follows a remembered speed: the
-/// equation of that speed, and one contact on a spring at its limit of stability.
-
-#include "model/law/friction.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,12 +6,16 @@
 #include <vector>
 
 #include "law_properties.hpp"
-#include "model/basis/native_lanes.hpp"
+#include "model/law/friction.hpp"
 #include "model/law/friction_laws.hpp"
+#include "model/law/phase_rule.hpp"
 #include "model/rigid/rigid_vectors.hpp"
 
 namespace cvtflow::model {
 namespace {
+
+// Laws of friction: profiles over speed and factors of tips, the catalogue of laws, and friction that follows a remembered speed: the
+// equation of that speed, and one contact on a spring at its limit of stability.
 
 const std::vector<double> speeds{0.0, 0.01, 0.03, 0.3, 2.0}, values{0.5, 0.8, 1.0, 0.4, 0.4};
 
@@ -44,19 +43,6 @@ TEST(SpeedProfile, GoesThroughItsPointsMonotonouslyAndWithoutCornersAndIsConstan
             EXPECT_GE(sign * (now - before), -1e-15) << k << " " << i;  // an ulp of 1
             before = now;
         }
-    }
-}
-
-TEST(TipFactors, LanesGiveWhatEachGivesAloneAndTheSlopeOfTheProfile) {
-    const TipLaw law = law_of(SpeedProfile::through(speeds, values));
-    const double four[] = {0.0, 0.017, 0.2, 7.0};
-    const Lanes<4> together = speed_factor<4>(law, load<4>(four)), slopes = speed_factor_slope<4>(law, load<4>(four));
-    for (std::size_t lane = 0; lane < 4; ++lane) {
-        const double v = four[lane];
-        EXPECT_EQ(together[lane], speed_factor<1>(law, Lanes<1>(v))[0]);
-        EXPECT_EQ(together[lane], law.by_speed.at(v));
-        const double step = 1e-7, difference = (law.by_speed.at(v + step) - law.by_speed.at(v - step)) / (2.0 * step);
-        EXPECT_NEAR(slopes[lane], difference, 1e-3);  // curvature 1.2e4 times the step
     }
 }
 
@@ -106,24 +92,8 @@ TEST(FrictionLaws, AllOweTheSame) {
     }
 }
 
-TEST(FrictionLaws, EachNameHasALawOfItsOwn) {
-    for (std::size_t law = 0; law < friction_law_names.size(); ++law) {
-        const auto chosen = FrictionLaws::visit(static_cast<FrictionLaw>(law), [](auto of) { return of.law; });
-        EXPECT_EQ(chosen, static_cast<FrictionLaw>(law)) << friction_law_names[law];
-    }
-}
-
-TEST(FrictionLaws, ACurveWithoutItsCornerIsThePiecewiseOne) {
-    Detail detail;
-    detail.friction = FrictionLaw::smoothed;
-    const FrictionCurve plain = FrictionCurve({0.09, 0.01}, detail).piecewise();
-    EXPECT_EQ(plain.coefficient, 0.09);
-    for (const double u : law_speeds) EXPECT_NEAR(share_at<FrictionLaws>(plain, u * 0.01), std::min(u, 1.0), 1e-15) << u;
-}
-
 constexpr double v0 = 0.01;
 
-FrictionCurve piecewise() { return FrictionCurve({0.09, v0}, {}); }
 FrictionCurve smoothed(double half_width) {
     Detail detail;
     detail.friction = FrictionLaw::smoothed;
@@ -133,18 +103,6 @@ FrictionCurve smoothed(double half_width) {
 double slip_factor(const FrictionCurve& curve, double speed) { return model::slip_factor<1>(curve, Lanes<1>(speed))[0]; }
 /// Share of the full friction, with the sign of the speed.
 double share(const FrictionCurve& curve, double speed) { return slip_factor(curve, std::abs(speed)) * speed; }
-
-TEST(Friction, PiecewiseIsLinearUpToTheSaturationSpeedAndConstantBeyond) {
-    for (double u = 0.0; u < 1.0; u += 0.05) EXPECT_NEAR(share(piecewise(), u * v0), u, 1e-15);
-    for (double u = 1.0; u < 1e6; u *= 1.7) EXPECT_NEAR(share(piecewise(), u * v0), 1.0, 1e-15);
-}
-
-TEST(Friction, NeverDividesByZero) {
-    for (const FrictionCurve& curve : {piecewise(), smoothed(0.1), smoothed(1.0)}) {
-        EXPECT_NEAR(slip_factor(curve, 0.0), 1.0 / v0, 1e-13 / v0);
-        for (const double tiny : {5e-324, 1e-300, 1e-30, 1e-12}) EXPECT_TRUE(std::isfinite(slip_factor(curve, tiny))) << tiny;
-    }
-}
 
 TEST(Friction, SmoothedIsTheParabolaOfItsDefinition) {
     for (const double d : {0.002, 0.05, 0.1, 0.5, 0.9, 1.0}) {
@@ -181,20 +139,6 @@ TEST(RememberedSpeed, FollowsAConstantSpeedExponentially) {
             }
         }
     }
-}
-
-TEST(RememberedSpeed, StaysBetweenTheFormerAndThePresentSpeedAndStaysWhereBothAreEqual) {
-    for (const double memory : {1e-30, 1e-9, 1e-6, 1e-2}) {
-        const TipLaw law = falling_with_memory(memory);
-        for (const double step : {1e-9, 1e-6, 1.0}) {
-            constexpr int single = singles<8>;
-            const Lanes<single> both = remembered_speed<single>(law, resting, step, Lanes<single>(0.3), Lanes<single>(0.1));
-            EXPECT_GE(widen<8>(both)[0], 0.1f * (1.0f - 1e-6f)) << memory << " " << step;
-            EXPECT_LE(widen<8>(both)[0], 0.3f) << memory << " " << step;
-            EXPECT_EQ(remembered(law, step, 0.07, 0.07), 0.07);
-        }
-    }
-    EXPECT_NEAR(remembered(falling_with_memory(1e-30), 1e-6, 0.3, 0.1), 0.1, 1e-9) << "without a memory it is the speed";
 }
 
 /// A mass m on a spring k and a damper c, on a band of the speed V under the force N. Friction is -μ(w) N; a = (V + v0)/L, g = -N μ'(V):
@@ -266,15 +210,66 @@ TEST(FrictionMemory, OfOneContactOnASpringHasRouthsLimitAndItsFrequency) {
     }
 }
 
-/// The limit without memory is g = c, which memory raises.
-TEST(FrictionMemory, MakesFallingFrictionStableThatIsUnstableAtOnce) {
-    BandContact contact;
-    contact.law = falling_with_memory(1e-5);
-    const double g = 3.0 * contact.damping;
-    ASSERT_LT(g, contact.limit());
-    EXPECT_LT(swing_of(contact, g).growth, 0.0);
-    contact.law.memory = 1e-9;
-    EXPECT_GT(swing_of(contact, g).growth, 0.0);
+constexpr double saturation = 0.01;
+
+PhaseRule rule(bool stick_slip) {
+    PhaseRule r;
+    r.saturation_speed = saturation;
+    r.stick_slip = stick_slip;
+    return r;
+}
+
+TEST(PhaseRule, ATipTouchesAsSoonAsItHasDepthAndLeavesBeyondTheRelease) {
+    const PhaseRule r = rule(false);
+    EXPECT_EQ(r.next(Phase::free, {1e-15, 0.0}), Phase::touching);
+    EXPECT_EQ(r.next(Phase::free, {0.0, 0.0}), Phase::free);
+    EXPECT_EQ(r.next(Phase::free, {-1e-15, 0.0}), Phase::free);
+    EXPECT_EQ(r.next(Phase::touching, {-0.5 * r.release, 0.0}), Phase::touching);
+    EXPECT_EQ(r.next(Phase::touching, {-1.5 * r.release, 0.0}), Phase::free);
+    EXPECT_EQ(r.next(Phase::touching, {1e-6, 100.0}), Phase::touching);
+}
+
+TEST(PhaseRule, StickAndSlipAreToldBySpeedOnlyIfAskedFor) {
+    const PhaseRule r = rule(true);
+    EXPECT_EQ(r.next(Phase::free, {1e-9, 0.5 * saturation}), Phase::stick);
+    EXPECT_EQ(r.next(Phase::free, {1e-9, 1.5 * saturation}), Phase::slip);
+    EXPECT_EQ(r.next(Phase::stick, {1e-9, 1.01 * saturation}), Phase::slip);
+    EXPECT_EQ(r.next(Phase::slip, {1e-9, 0.99 * saturation}), Phase::stick);
+    for (const Phase phase : {Phase::stick, Phase::slip}) EXPECT_EQ(r.next(phase, {-2e-9, saturation}), Phase::free);
+}
+
+TEST(PhaseRule, NoTipFlipsBackAtOnce) {
+    for (const bool stick_slip : {false, true}) {
+        const PhaseRule r = rule(stick_slip);
+        for (const double depth : {-3e-9, -1e-9, -1e-12, 0.0, 1e-12, 1e-6}) {
+            for (const double slip : {0.0, 0.9999995 * saturation, saturation, 1.0000005 * saturation, 2.0 * saturation}) {
+                for (const Phase phase : {Phase::free, Phase::touching, Phase::stick, Phase::slip}) {
+                    if (!stick_slip && (phase == Phase::stick || phase == Phase::slip)) continue;
+                    const Phase next = r.next(phase, {depth, slip});
+                    EXPECT_EQ(r.next(next, {depth, slip}), next) << "depth " << depth << ", slip " << slip;
+                }
+            }
+        }
+    }
+}
+
+TEST(PhaseRule, TheGapFunctionIsPositiveExactlyWhereTheTransitionIsDue) {
+    for (const bool stick_slip : {false, true}) {
+        const PhaseRule r = rule(stick_slip);
+        for (const double depth : {-3e-9, -2e-9, -5e-10, -1e-12, 1e-12, 1e-6}) {
+            for (const double slip : {0.0, 0.999 * saturation, 1.001 * saturation, 2.0 * saturation}) {
+                for (const Phase phase : {Phase::free, Phase::touching, Phase::stick, Phase::slip}) {
+                    const TipIndicator tip{depth, slip};
+                    const Phase next = r.next(phase, tip);
+                    if (next != phase) {
+                        EXPECT_GT(r.due(phase, next, tip), 0.0);
+                    }
+                }
+                EXPECT_EQ(r.next(Phase::free, {depth, slip}) != Phase::free, r.due(Phase::free, Phase::touching, {depth, slip}) > 0.0);
+                EXPECT_EQ(r.next(Phase::touching, {depth, slip}) == Phase::free, r.due(Phase::touching, Phase::free, {depth, slip}) > 0.0);
+            }
+        }
+    }
 }
 
 }  // namespace

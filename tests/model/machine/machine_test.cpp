@@ -1,14 +1,67 @@
-#include "model/machine/held_links.hpp"
+/// Coefficients, belts and held links of a machine.
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "model/kernels/link_lanes.hpp"
+#include "model/machine/belt.hpp"
+#include "model/machine/coefficients.hpp"
+#include "model/machine/held_links.hpp"
 
 namespace cvtflow::model {
 namespace {
+
+/// A normal distribution that is cut at three deviations has 0.9733 of its variance: 1 - 6 φ(3)/(1 - 2 Φ(-3)).
+TEST(Lengths, OfPinsAreNormalAndCutAtThreeDeviations) {
+    Parameters p;
+    EXPECT_TRUE(longer_halves(p).empty());
+    p.chain.pins = 20000;
+    p.imperfection.pin_length_spread = 2e-6;
+    const std::vector<double> longer = longer_halves(p);
+    ASSERT_EQ(longer.size(), 20000u);
+    double sum = 0.0, squares = 0.0, largest = 0.0;
+    for (const double half : longer) sum += half, squares += half * half, largest = std::max(largest, std::abs(half));
+    const double deviation = 0.5 * 2e-6, root = std::sqrt(20000.0);
+    EXPECT_NEAR(sum / 20000.0, 0.0, 4.0 * deviation / root);
+    EXPECT_NEAR(squares / 20000.0 / (deviation * deviation), 0.9733, 4.0 * std::sqrt(2.0) / root);
+    EXPECT_LE(largest, 3.0 * deviation);
+    EXPECT_GT(largest, 2.7 * deviation) << "of 20,000, 130 are beyond 2.7";
+    const double within = static_cast<double>(std::ranges::count_if(longer, [&](double half) { return std::abs(half) < deviation; }));
+    EXPECT_NEAR(within / 20000.0, 0.6845, 4.0 * 0.465 / root) << "0.6827/0.9973";
+    EXPECT_EQ(longer_halves(p), longer);
+    p.imperfection.pin_length_seed = 2;
+    EXPECT_NE(longer_halves(p), longer);
+}
+
+constexpr double distance = 0.17;
+
+TEST(Belt, AtRatioOneItsLengthIsTwoStrandsAndACircle) {
+    // Sums of a few terms below 1 m: rounding is some 1e-16.
+    EXPECT_NEAR(belt_length({0.05, 0.05}, distance), 2.0 * distance + 2.0 * std::numbers::pi * 0.05, 1e-15);
+}
+
+/// Published: 54.444 mm at ratio 1, 30.984 and 74.361 mm at ratio 2.4, rounded.
+TEST(Belt, RadiiGiveBackTheLengthAndTheRatio) {
+    EXPECT_NEAR(belt_radii(84 * 8.12e-3, 1.0, distance)->driving, 54.444e-3, 5e-7);
+    EXPECT_NEAR(belt_radii(84 * 8.12e-3, 2.4, distance)->driving, 30.984e-3, 5e-7);
+    EXPECT_NEAR(belt_radii(84 * 8.12e-3, 2.4, distance)->driven, 74.361e-3, 5e-7);
+    for (const double ratio : {0.4, 0.7, 1.0, 1.6, 2.5}) {
+        const auto radii = belt_radii(0.68208, ratio, distance);
+        ASSERT_TRUE(radii.has_value()) << ratio;
+        EXPECT_NEAR(radii->driven, ratio * radii->driving, 1e-17);
+        EXPECT_NEAR(belt_length(*radii, distance), 0.68208, 1e-15) << ratio;  // bisected to the last digit
+    }
+}
+
+TEST(Belt, HasNoRadiiIfItIsTooShortOrTooLong) {
+    EXPECT_FALSE(belt_radii(2.0 * distance, 1.0, distance).has_value());                                // nothing left for the arcs
+    EXPECT_FALSE(belt_radii(2.0 * distance + std::numbers::pi * distance, 1.0, distance).has_value());  // the pulleys would meet
+    EXPECT_TRUE(belt_radii(2.0 * distance + 0.99 * std::numbers::pi * distance, 1.0, distance).has_value());
+}
 
 constexpr int link_size = link_layout.link_size();
 using Numbers = std::array<double, link_size>;
