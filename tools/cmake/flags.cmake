@@ -23,8 +23,7 @@ if(CVTFLOW_SANITIZE)
     target_compile_options(cvtflow_flags INTERFACE -Wno-array-bounds)   # instrumented loops over Eigen matrices look as if they left std::array
   endif()
 endif()
-# Hardening, of everything but the kernels, which read no file and have no buffer of a size that a file names: 0.2 to 1 % more instructions
-# (docs/security.md).
+# Hardening, of everything but the kernels, which read no file and have no buffer of a size that a file names: 0.2 to 1 % more instructions.
 if(NOT WIN32 AND NOT EMSCRIPTEN AND NOT CVTFLOW_SANITIZE)
   target_compile_options(cvtflow_flags INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:CVTFLOW_KERNELS>>>:-fstack-protector-strong>
     "$<$<CONFIG:Release>:-U_FORTIFY_SOURCE>" "$<$<CONFIG:Release>:-D_FORTIFY_SOURCE=2>")
