@@ -159,15 +159,17 @@ void size_driven(const model::Parameters& p, const Pistons& pistons, bool limite
     return at;
 }
 
-/// Instants at which tables have points, and some in between [s].
+/// Instants at which tables have points, and some in between; the beginning alone where all of them are constant [s].
 [[nodiscard]] std::vector<double> instants_of(const Scene& scene) {
     constexpr int between = 200;
     const model::Parameters& p = scene.parameters;
     const double end = latest_end(scene);
-    std::vector<double> times;
-    for (int k = 0; k <= between; ++k) times.push_back(end * k / between);
-    for (const model::TimeTable* table :
-         {&p.load.torque, &p.drive.speed, &p.clamping.driven, &p.control.ratio, &p.control.safety, &p.hydraulics.driven.pressure})
+    const model::TimeTable* tables[] = {&p.load.torque,   &p.drive.speed,    &p.clamping.driven,
+                                        &p.control.ratio, &p.control.safety, &p.hydraulics.driven.pressure};
+    std::vector<double> times{0.0};
+    if (std::ranges::all_of(tables, [](const model::TimeTable* table) { return table->time.size() < 2; })) return times;
+    for (int k = 1; k <= between; ++k) times.push_back(end * k / between);
+    for (const model::TimeTable* table : tables)
         std::ranges::copy_if(table->time, std::back_inserter(times), [&](double t) { return t > 0.0 && t < end; });
     std::ranges::sort(times);
     times.erase(std::unique(times.begin(), times.end()), times.end());

@@ -1,5 +1,6 @@
 #include "tools/program/view/described.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -73,7 +74,8 @@ Json described(const SweepView& sweep) {
                            {"number", column.number},
                            {"values", std::move(values)}});
     }
-    for (std::size_t row = 0; row < sweep.cells.size(); ++row) limits.push_back(load_limit(sweep, row).value_or(NAN));
+    const bool drawn = std::ranges::any_of(sweep.columns, [](const SweepColumn& each) { return each.name == "load_torque"; });
+    for (std::size_t row = 0; row < sweep.cells.size(); ++row) limits.push_back(drawn ? load_limit(sweep, row).value_or(NAN) : NAN);
     return {{"path", sweep.path},
             {"name", sweep.name},
             {"level", sweep.scene ? level_text(*sweep.scene) : ""},
