@@ -1,6 +1,7 @@
 #include "tasks/scene/ready_scenes.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cinttypes>
@@ -38,9 +39,13 @@ fs::path own_folder() {
     return {};
 }
 
-/// First line of a plain file in a folder in which not everyone may write; empty: another file, or none.
-std::string own_note(const fs::path& path) {
+/// First line of a plain file of root or of the program's owner, in a folder in which not everyone may write; empty: another file, or none.
+std::string own_note(const fs::path& path, const fs::path& program) {
     std::error_code unknown;
+    struct stat note {
+    }, place{};
+    if (::stat(path.string().c_str(), &note) != 0 || ::stat(program.string().c_str(), &place) != 0) return {};
+    if (note.st_uid != 0 && note.st_uid != place.st_uid) return {};
     const fs::perms folder = fs::status(path.parent_path(), unknown).permissions();
     const bool everyones = unknown || (folder & fs::perms::others_write) != fs::perms::none;
     if (everyones || !fs::is_regular_file(fs::symlink_status(path, unknown))) return {};
@@ -70,7 +75,7 @@ std::vector<fs::path> scene_folders() {
     // a build folder, up to three levels above
     folder = first_folder;
     for (int level = 0; level < 4 && folder.has_relative_path(); ++level, folder = folder.parent_path()) {
-        if (const std::string line = own_note(folder / "cvtflow-scenes.path"); !line.empty()) folders.emplace_back(line);
+        if (const std::string line = own_note(folder / "cvtflow-scenes.path", first_folder); !line.empty()) folders.emplace_back(line);
     }
     return folders;
 }

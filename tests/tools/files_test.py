@@ -277,6 +277,12 @@ class Replacement(_Files):
         shutil.copy(PROGRAM, "a/b/c/cvtflow")
         os.mkfifo("a/cvtflow-scenes.path")
         self.shell("timeout 20 a/b/c/cvtflow list scenes")
+        os.remove("a/cvtflow-scenes.path")
+        write("a/cvtflow-scenes.path", str(SOURCE / "scenes"))
+        self.has(self.shell("a/b/c/cvtflow list scenes").stdout, "baseline")
+        if os.geteuid() == 0:
+            os.chown("a/cvtflow-scenes.path", 65534, 65534)  # a stranger's
+            self.lacks(self.shell("a/b/c/cvtflow list scenes").stdout, "baseline")
 
     def test_writes_no_control_character_of_a_name(self):
         record, cut = "\x1b[2Jx.h5", "\x1b[2Jcut"
