@@ -282,6 +282,10 @@ void RunRecorder::finish(const Simulation& simulation, RunReport& report, double
         notes += (notes.empty() ? "" : "; ") + std::string(note.name);
         texts += fmt::format("{}: {}\n", note.name, note.text);
     }
+    std::string errors;
+    for (std::size_t k = 0; k < MeanErrors::count && report.errors.batches > 0; ++k)
+        errors += fmt::format("{}: {:.3g}\n", MeanErrors::name(k), report.errors.error[k].sum());
+    file_->set_attribute({"errors_of_means", errors});
     file_->set_attribute({"notes", notes});
     file_->set_attribute({"note_texts", texts});
     file_->set_attribute({"state_hash", engine::hex(report.hash)});

@@ -114,6 +114,12 @@ class OneRecord(Pages):
         self.lacks(text, 'data-default="chain.pitch"')
         self.has(text, "shaft 1 drives (")
 
+    def test_states_the_operating_point_and_means_with_the_digits_of_their_errors(self):
+        text = part(page(attribute("known.h5", errors_of_means="ratio: 0.0012\ntight tension: 25\n")), "figures")
+        self.matches(text, r'data-channel="ratio".*?>1\.\d{4}<.*?>± 0\.0012<', r'data-channel="tight_tension".*?>[\d.]+<.*?>± 0\.025<')
+        for channel in ("shaft_1/speed", "shaft_1/torque", "shaft_1/clamping", "shaft_2/clamping"):
+            self.has(text, f'data-channel="{channel}"')
+
     def test_gives_keys_in_the_units_of_their_table(self):
         record("own.h5", "--set", "tip.angle=10 deg", "--set", "drive.speed=1800 rpm")
         self.matches(text := page("own.h5"), r'"tip.angle"><td[^>]*>tip.angle</td><td[^>]*>10 deg</td><td[^>]*>11 deg</td>')

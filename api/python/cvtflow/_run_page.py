@@ -67,28 +67,49 @@ def late_means(record):
     rows = time >= begin - 1e-9 * (time[-1] - time[0])
     if period and time[-1] - begin >= period * (1.0 - 1e-9) and np.count_nonzero(rows) > 1:
         return record.means(begin), begin
-    return {name: _known.mean_of_quotient(record, name, begin, mean(record[name][row:])) for name in plots.overview(record)}, begin
+    return {name: _known.mean_of_quotient(record, name, begin, mean(record[name][row:])) for name in _main(record)}, begin
+
+
+def _main(record):
+    """Channels of the operating point, and the main quantities."""
+    point = [f"shaft_{shaft}/{name}" for name in ("speed", "torque", "clamping", "pressure") for shaft in (1, 2)]
+    return [name for name in point if name in record.info] + plots.overview(record)
+
+
+def _errors(record):
+    """Errors of means by channel, as the summary states them: of the last half of a run that ends when it is steady, else of all rows."""
+    stated = dict(line.split(": ") for line in str(record.attributes.get("errors_of_means", "")).splitlines())
+    names = {"tight tension": "tight_tension", "slack tension": "slack_tension", "thrust ratio": "thrust_ratio", "slip by friction": "friction_slip"}
+    return {names.get(name, name): float(error) for name, error in stated.items()}
+
+
+def _digits(error):
+    """Format of a mean with two digits of its error."""
+    return f"{{:.{max(0, 1 - math.floor(math.log10(error)))}f}}" if 0.0 < error < math.inf else "{:.6g}"
 
 
 def _figures(record, si):
-    """Mean of all rows, of the last ones, least and largest of the main quantities."""
+    """Mean of all rows, of the last ones, least and largest of the operating point and the main quantities, and errors of means."""
     row, steady = late_row(record)
     late, begin = late_means(record)
     whole = record.means(record["time"][0]) if record.rows > 1 else {}
-    rows = []
-    for name in plots.overview(record):
+    rows, errors = [], _errors(record)
+    for name in _main(record):
         values, column = record[name], record.info[name]
         finite = values[np.isfinite(values)]
         label, factor = shown(name, column.unit, si)
         ends = (finite.min(), finite.max()) if len(finite) else (math.nan, math.nan)
-        figures = [whole.get(name, mean(values)), late.get(name, math.nan), *ends]
-        rows.append([name, unit_of(label), *(number(factor * each) for each in figures), column.description])
-    last = "mean of the last half, which is steady" if steady else "mean of the last fifth"
-    headings = ["channel", "unit", "mean", last, "least", "largest", "meaning"]
+        error = factor * errors.get(name, math.nan)
+        means = [number(factor * each, _digits(error)) for each in (whole.get(name, mean(values)), late.get(name, math.nan))]
+        means.insert(2 if steady else 1, number(error, "± {:.2g}"))
+        rows.append([name, unit_of(label), *means, *(number(factor * each) for each in ends), column.description])
+    headings = ["mean", "mean of the last half, which is steady" if steady else "mean of the last fifth"]
+    headings.insert(2 if steady else 1, ("error", "of the mean before, by its trend and scatter, 95 %"))
+    headings = ["channel", "unit", *headings, "least", "largest", "meaning"]
     end = record["time"][-1]
     periods = round((end - begin) * record.pin_frequency) if record.pin_frequency else 0
     how = f"The last means are over {periods} whole pin periods, from {time_text(begin)} on." if periods else ""
-    made = table(headings, rows, "sortable figures", record.path, "channel", styles={6: "meaning"})
+    made = table(headings, rows, "sortable figures", record.path, "channel", styles={7: "meaning"})
     return [made, *([text(how, "small")] if how else [])]
 
 
