@@ -49,6 +49,7 @@ Operation::Operation(const tasks::Scene& scene) : simulation_(scene), observer_(
     recording_ = true;
     fault = simulation_.advance({.until = scene.run.until}, *this, no_cancellation);
     counters = simulation_.counters();
+    lost = simulation_.workspace().energy.balance().loss;
     balance_error_ratio = simulation_.balance_error_ratio();
 }
 

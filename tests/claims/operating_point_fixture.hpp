@@ -32,6 +32,7 @@ public:
     tasks::Fault fault;
     tasks::Counters counters;
     long transitions = 0;
+    double lost = 0.0;                 ///< losses behind settling [J]
     double balance_error_ratio = 0.0;  ///< balance error ratio of the energy watch, settling included; above 1 the figures are wrong
     std::vector<double> time, ratio, slip, friction_slip, creep_power, drive_power, tight, slack, driven_speed, driven_torque, radius,
         chain_speed, clamping_driven, thrust_ratio, strand_height;

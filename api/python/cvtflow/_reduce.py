@@ -8,7 +8,6 @@ import os
 import re
 import signal
 import subprocess
-import tempfile
 import time
 import tomllib
 
@@ -203,26 +202,16 @@ class Bench:
         if place := os.environ.get("CVTFLOW_PROGRESS"):
             os.write(int(place), f"  {line}\n".encode())
 
-    def call(self, *words, folder=None, progress=None):
-        """Output of the program. progress: receives lines while it works. Raises RuntimeError with its message, unless rows state what
-        failed."""
-        death = ctypes.CDLL(None).prctl
-        with tempfile.TemporaryFile() as errors, subprocess.Popen(
-                [self._program, *words], cwd=folder or self.runs, stdout=subprocess.PIPE, stderr=errors, text=True,
-                preexec_fn=lambda: death(1, signal.SIGTERM)) as process:  # PR_SET_PDEATHSIG
-            lines = []
-            try:
-                for line in process.stdout:
-                    lines.append(line)
-                    if progress:
-                        progress(line)
-            except BaseException:
-                process.terminate()
-                raise
-            if process.wait() not in (0, 5, 6, 7, 8):
-                errors.seek(0)
-                raise RuntimeError(f"cvtflow {' '.join(words[:2])}: {errors.read().decode(errors='replace').strip()}")
-        return "".join(lines)
+    def call(self, *words, folder=None, shows=False):
+        """Output of the program. shows: its messages appear on the user's stderr. Raises RuntimeError with its message, unless rows state
+        what failed."""
+        place, death = os.environ.get("CVTFLOW_PROGRESS"), ctypes.CDLL(None).prctl
+        done = subprocess.run([self._program, *words], cwd=folder or self.runs, stdout=subprocess.PIPE, text=True,
+                              stderr=int(place) if shows and place else subprocess.PIPE,
+                              preexec_fn=lambda: death(1, signal.SIGTERM))  # PR_SET_PDEATHSIG
+        if done.returncode not in (0, 5, 6, 7, 8):
+            raise RuntimeError(f"cvtflow {' '.join(words[:2])}: {(done.stderr or f'status {done.returncode}').strip()}")
+        return done.stdout
 
     def shorter_step(self):
         """Three fifths of the automatic step."""
@@ -246,11 +235,6 @@ class Bench:
             os.replace(os.path.join(self.runs, running + "h5"), path)
             self.report(f"{name:12} in {time.monotonic() - begin:.0f} s")
 
-    def _progress(self, name, now):
-        if now["event"] == "progress":
-            left = f", {now['left'] / 60:.1f} min left" if now["left"] else ""
-            self.report(f"{name:12} {now['done']} of {now['cases']} cases{left}")
-
     def sweep(self, name, settings, rows, scalars, continued=False, detail=None):
         """Results of a sweep over rows (key: values) as arrays by column; runs what is missing."""
         import h5py
@@ -266,8 +250,7 @@ class Bench:
         if not os.path.exists(os.path.join(self.runs, name)):
             cost = re.search(r"(?m)^  estimate +(.*)", self.call("batch", f"{name}.toml", *self._threads, "--dry-run"))
             self.report(f"{name:12} {len(next(iter(rows.values())))} cases: {cost[1]}")
-        self.call("batch", f"{name}.toml", "-o", name, *self._threads, "--json", "--keep-going",
-                  progress=lambda line: self._progress(name, json.loads(line)))
+        self.call("batch", f"{name}.toml", "-o", name, *self._threads, "--keep-going", shows=True)
         with h5py.File(os.path.join(self.runs, name, "cases.h5")) as file:
             cases = file["cases"][:]
         cases = cases[np.argsort(cases["case"])]
