@@ -315,21 +315,15 @@ class Files(unittest.TestCase):
         self.bench("exit 0", bench.folder)
         self.assertEqual(scene.read_text(), text)
 
-    def test_of_a_run_that_failed_are_no_record(self):
+    def test_of_a_course_that_failed_or_was_killed_are_no_record_and_no_obstacle(self):
         bench = self.bench('for word; do [ "$before" = -o ] && echo half >"$word"; before="$word"; done; exit 3')
-        with self.assertRaises(RuntimeError):
-            bench.record("shift", {})
-        self.assertEqual([name for name in os.listdir(bench.runs) if name == "shift.h5"], [])
-        bench = self.bench('for word; do [ "$before" = -o ] && echo whole >"$word"; before="$word"; done')
-        bench.record("shift", {})
-        self.assertEqual(Path(bench.runs, "shift.h5").read_text(), "whole\n")
-
-    def test_of_a_course_that_was_killed_are_no_obstacle(self):
-        bench = self.bench('for word; do [ "$before" = -o ] && { [ -e "$word" ] && exit 1; echo whole >"$word"; }; before="$word"; done')
-        for name in ("shift_running.h5", "shift_running.h5.part", "shift_running.checkpoint.h5"):
-            Path(bench.runs, name).write_text("half")
-        bench.record("shift", {})
+        self.assertRaises(RuntimeError, bench.record, "shift", {})
+        self.assertEqual(sorted(os.listdir(bench.runs)), ["scene.toml", "shift_running.h5"])
+        Path(bench.runs, "shift_running.h5.part").write_text("half")
+        new = 'for word; do [ "$before" = -o ] && { [ -e "$word" ] && exit 1; echo whole >"$word"; }; before="$word"; done'
+        self.bench(new, bench.folder).record("shift", {})
         self.assertEqual(sorted(os.listdir(bench.runs)), ["scene.toml", "shift.h5"])
+        self.assertEqual(Path(bench.runs, "shift.h5").read_text(), "whole\n")
 
 
 def modelica_tables(text):

@@ -264,9 +264,6 @@ EXPORT int fmi2DoStep(void* m, double at, double length, int kept) {
     (void)at, (void)kept;
     return advance(m, length);
 }
-EXPORT int fmi2SetDebugLogging(void* m, int on, size_t n, const Text* categories) {
-    return (void)m, (void)on, (void)n, (void)categories, OK;
-}
 #else
 #define NAME(name) fmi3##name
 #include <stdbool.h>
@@ -295,9 +292,6 @@ EXPORT int fmi3DoStep(void* m, double at, double length, bool kept, bool* event,
     *last = ((Reduced*)m)->v[TIME];
     return made;
 }
-EXPORT int fmi3SetDebugLogging(void* m, bool on, size_t n, const Text* categories) {
-    return (void)m, (void)on, (void)n, (void)categories, OK;
-}
 EXPORT void* fmi3InstantiateModelExchange(void) { return NULL; }
 EXPORT void* fmi3InstantiateScheduledExecution(void) { return NULL; }
 #endif
@@ -306,6 +300,7 @@ EXPORT void* fmi3InstantiateScheduledExecution(void) { return NULL; }
 EXPORT void NAME(FreeInstance)(void* m) { free(m); }
 EXPORT int NAME(ExitInitializationMode)(void* m) { return initialise(m), OK; }
 EXPORT int NAME(Terminate)(void* m) { return m ? OK : ERROR; }
+EXPORT int NAME(SetDebugLogging)(void* m) { return (void)m, OK; }
 EXPORT int NAME(Reset)(void* m) { return begin(m), OK; }
 EXPORT int NAME(GetFMUState)(void* m, void** state) {
     if (!*state) *state = malloc(sizeof(Reduced));
