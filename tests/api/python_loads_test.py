@@ -1,13 +1,10 @@
 """Wear and load cycles of a record, as the program states them."""
 
-import csv
-import importlib.util
 import json
-import shutil
 import unittest
 
-from python_fixture import DEEP, main, program, tiny
-from python_frames_test import HAS, Folder, matplotlib_only
+from python_fixture import main, program, tiny
+from python_frames_test import Folder, matplotlib_only
 
 import numpy as np
 
@@ -131,35 +128,6 @@ class Rainflow(Folder):
         with self.assertRaisesRegex(ValueError, r"links/tension: choose one number, such as links/tension\[0\]"):
             record.rainflow("links/tension")
         self.assertRaisesRegex(KeyError, 'did you mean "tight_tension"', record.rainflow, "tight_tensoin")
-
-
-@unittest.skipUnless(DEEP and HAS["matplotlib"] and importlib.util.find_spec("h5py"), "deep; Matplotlib and h5py")
-class Orders(Folder):
-    """The largest amplitude of three runs, by the program, by the package, and from the file by hand."""
-
-    def test_are_the_same_three_ways(self):
-        settings = ["start.settling_time=5 ms", "start.ramp_time=2 ms", "run.output_interval=20 us"]
-        for setting in ("load.torque=12 N*m", "load.torque=5 N*m", "drive.speed=150 rad/s"):
-            words = [word for each in [*settings, setting] for word in ("--set", each)]
-            program("run", "tiny", "--detail", "rigid", "--until", "24 ms", *words, "-q", "--force", "-o", self.file)
-            self.compare(cvtflow.Record(self.file))
-
-    def compare(self, record):
-        import h5py
-
-        with h5py.File(shutil.copy(self.file, self.folder + "/alone.h5")) as file:  # HDF5 opens one file in one way
-            time, load, speed = (file["channels"][name][:] for name in ("time", "tight_tension", "chain_speed"))
-        program("plot", self.file, "tight_tension", "--orders", "--si", "--force", "-o", self.folder + "/p.csv")
-        with open(self.folder + "/p.csv", newline="") as file:
-            there = np.array([(float(row["x"]), float(row["y"])) for row in csv.DictReader(file) if row["series"] == "tight_tension"])
-        line = next(line for line in record.plot_orders("tight_tension", si=True).axes[0].lines if line.get_label() == "tight_tension")
-        np.testing.assert_allclose(np.transpose(line.get_data()), there, rtol=1e-7, atol=1e-9 * load.max())
-        order, amplitude = there[there[:, 1].argmax()]
-        place = np.arange(len(load)) - 0.5 * len(load)
-        window = 0.5 + 0.5 * np.cos(2.0 * np.pi * place / len(load))
-        swing = load - np.polyval(np.polyfit(place, load, 1, w=np.sqrt(window)), place)
-        by_hand = 2.0 * abs(window * swing @ np.exp(-2j * np.pi * order * speed.mean() / tiny()["chain.pitch"] * time)) / window.sum()
-        self.assertAlmostEqual(amplitude, by_hand, delta=1e-3 * by_hand)
 
 
 main() if __name__ == "__main__" else None

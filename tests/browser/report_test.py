@@ -138,48 +138,12 @@ class RunReport(Page):
         self.addCleanup(self.browser.resize, 1200, 900)
         self.browser.open(self.page)
 
-    def test_a_phone_shows_the_whole_width(self):
-        self.open_on_a_phone()
-        self.assertLessEqual(self.value("document.documentElement.scrollWidth"), 390)
-        scales = self.value("""[...document.querySelectorAll("figure svg")].map((s) =>
-            s.getBoundingClientRect().width / s.viewBox.baseVal.width)""")
-        self.assertTrue(scales)
-        self.assertGreater(min(scales), 0.99, "letters of 12 px")
-        figures = self.value("""(() => { const box = document.querySelector("#figures table").getBoundingClientRect();
-            return [box.top, box.bottom, document.querySelectorAll("#figures tbody tr").length]; })()""")
-        self.assertGreater(figures[2], 4)
-        self.assertLess(figures[1] - figures[0], 844, "one screen")
-
-    def test_what_is_wider_than_a_phone_has_an_edge_until_it_is_scrolled_to_its_end(self):
-        self.open_on_a_phone()
-        edges = self.value("""(async () => {
-            const wide = document.querySelector("#losses figure"), scroller = wide.querySelector(".scroller"), seen = [];
-            const look = () => new Promise((done) => setTimeout(() => done(seen.push(["::before", "::after"].map(
-                (side) => Number(getComputedStyle(wide, side).opacity)))), 200));
-            await look();
-            scroller.scrollLeft = 1e6;
-            await look();
-            return seen; })()""")
-        self.assertEqual(edges, [[0, 1], [1, 0]])
-
     def test_what_a_controller_holds_is_dashed_in_the_panel_of_the_ratio(self):
         self.browser.open("control.html")
         labels = self.value("curves.charts[0].getLabels()")
         self.assertEqual(labels[1:], ["ratio", "control/target"])
         self.assertEqual(self.value("curves.charts[0].getOption('strokePattern', 'control/target')"), [6, 4])
         self.assertIsNone(self.value("curves.charts[0].getOption('strokePattern', 'ratio')"))
-
-    def test_labels_of_an_axis_leave_its_ticks_alone(self):
-        self.value("""(() => { curves.chosen = new Set(["ratio", "slip"]); curves.draw(); })()""")
-        covered = self.value("""[...document.querySelectorAll(".panel")].flatMap((panel) => {
-            const box = (e) => e.getBoundingClientRect(), label = box(panel.querySelector(".dygraph-ylabel"));
-            return [...panel.querySelectorAll(".dygraph-axis-label-y")].filter((tick) => {
-                const range = document.createRange();
-                range.selectNodeContents(tick);
-                return box(range).left < label.right && box(range).top < label.bottom && box(range).bottom > label.top;
-            }).map((tick) => tick.textContent);
-        })""")
-        self.assertEqual(covered, [])
 
     def test_every_curve_is_that_of_the_record(self):
         names = self.value("[...curves.runs[0].curves.keys()]")
@@ -283,21 +247,6 @@ class RunReport(Page):
             .filter((e) => e.offsetParent && !e.textContent && !e.labels?.length).length""")
         self.assertEqual(unnamed, 0)
 
-    def test_light_and_dark_change_places(self):
-        paper = "getComputedStyle(document.body).backgroundColor"
-        self.assertEqual(self.value(paper), "rgb(255, 255, 255)")
-        self.browser.click(*self.at("document.getElementById('theme')"))
-        self.assertEqual(self.value(paper), "rgb(20, 24, 29)")
-
-    def test_a_dark_system_gets_a_dark_page(self):
-        self.browser.call("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
-        self.assertEqual(self.value("getComputedStyle(document.body).backgroundColor"), "rgb(20, 24, 29)")
-
-    def test_printing_leaves_the_controls_out(self):
-        self.browser.call("Emulation.setEmulatedMedia", {"media": "print"})
-        self.assertEqual(self.value("getComputedStyle(document.querySelector('nav')).display"), "none")
-        self.assertGreater(len(self.browser.call("Page.printToPDF")["data"]), 10000)
-
 
 class Comparison(Page):
     page = "both.html"
@@ -371,17 +320,6 @@ class Forged(Page):
         self.assertIsNone(self.value("window.ran"))
         self.assertGreater(len(self.browser.complaints), 0)
         self.browser.complaints.clear()
-
-
-class Errors(unittest.TestCase):
-    def test_an_error_on_a_page_and_a_request_are_noticed(self):
-        with open("bad.html", "w") as file:
-            file.write("<script>nothing.there()</script><img src='http://localhost:1/x.png'>")
-        browser.open("bad.html")
-        browser.value("1")
-        self.assertTrue(any("nothing is not defined" in text for text in browser.complaints))
-        self.assertIn("http://localhost:1/x.png", browser.requests)
-        self.assertRaises(BrowserError, browser.value, "nowhere()")
 
 
 if __name__ == "__main__":

@@ -10,9 +10,8 @@ import time
 from pathlib import Path
 
 import h5py
-import numpy as np
 
-from program import (SETTLING, TO_BE_ENDED, Program, attribute, channel, depth, eventually, forge, hash_in, main, read, rows_of, write,
+from program import (SETTLING, TO_BE_ENDED, Program, attribute, channel, depth, eventually, hash_in, main, read, rows_of, write,
                      write_sweep)
 
 KILLED, STOPPED = 128 + signal.SIGKILL, 130
@@ -156,36 +155,10 @@ class Resume(_Records):
 
 
 class ForeignCheckpoint(Program):
-    """A checkpoint of a run that stopped while it settled (its record has no row yet), sent by another user: its name and the record that
-    it names are the sender's."""
-
     def make(self):
         os.mkdir("theirs")
         self.cvtflow(f"{TO_BE_ENDED} -o theirs/sent.h5 {BUDGET}", 4)
         os.rename("theirs/sent.checkpoint.h5", "mine.checkpoint.h5")
-        write("notes.txt", "mine")
-
-    def name_record(self, path):
-        """Puts a path into the checkpoint, as its writer could have."""
-        forge("mine.checkpoint.h5", lambda file: file.attrs.__setitem__("record", np.bytes_(path)))
-
-    def test_decides_about_no_file(self):
-        for named in ("notes.txt", "theirs/sent.h5", ".bash_profile", "mine.h5/../notes.txt"):
-            self.name_record(f"{os.getcwd()}/{named}")
-            there = os.listdir()
-            self.has(self.err("resume mine.checkpoint.h5 -q"),
-                     "which is not NAME.h5 beside the checkpoint; -o FILE names the record to continue")
-            self.assertEqual((read("notes.txt"), os.listdir()), ("mine", there), named)
-
-    def test_replaces_no_file_beside_it_without_force(self):
-        self.name_record(f"{os.getcwd()}/mine.h5")
-        for there in ("mine.h5", "mine.h5.part", "mine.h5.before"):
-            write(there, "mine")
-            self.matches(self.err("resume mine.checkpoint.h5 -q"), rf"\Acvtflow: {there}: ")
-            self.assertEqual(read(there), "mine")
-            os.remove(there)
-        self.cvtflow("resume mine.checkpoint.h5 -q --set run.max_steps=0")  # nothing is in its way
-        self.assertEqual(attribute("mine.h5", "status"), "finished")
 
     def test_replaces_the_finished_record_of_another_run_only_with_force(self):
         self.cvtflow(f"{TO_BE_ENDED} -o other.h5")

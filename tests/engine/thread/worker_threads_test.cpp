@@ -55,16 +55,6 @@ TEST(BareBarrier, TakesTimeAndIsGivenUpWhereAThreadKeepsTheCallerWaiting) {
     EXPECT_TRUE(test::falls_to_threads(before)) << "all have left";
 }
 
-TEST(ThreadShortage, KeepsTheLargerOne) {
-    ThreadShortage shortage;
-    shortage.note(4, 2);
-    shortage.note(2, 1);
-    EXPECT_EQ(shortage.requested, 4);
-    EXPECT_EQ(shortage.had, 2);
-    shortage.note(8, 1);
-    EXPECT_EQ(shortage.requested, 8);
-}
-
 TEST(Runtimes, OfTbbIsNamed) {
     EXPECT_EQ(tbb_version().substr(0, 2), "20") << "year and release";
     EXPECT_NE(tbb_version().find("interface 12"), std::string::npos);
@@ -178,29 +168,6 @@ TEST(Backoff, SeesWhatWasWrittenBefore) {
     }
 }
 
-/// Two threads on one processor hand a word to and fro: they must not pause in each other's time.
-TEST(Backoff, LearnsThatPausesDoNotHelp) {
-    constexpr std::uint64_t rounds = 400;
-    std::atomic<std::uint64_t> word{0};
-    const Processors processors;
-    const Backoff untried({.threads = 1, .wait = Wait::spin});
-    const auto play = [&](std::uint64_t first) {
-        const Pin pin(true, processors, 0);
-        Backoff backoff = untried;
-        for (std::uint64_t round = first; round < rounds; round += 2) {
-            if (round > 0) static_cast<void>(backoff.change(word, round - 1));
-            word.store(round + 1, std::memory_order_release);
-        }
-    };
-    const double before = processor_time(CLOCK_PROCESS_CPUTIME_ID);
-    {
-        std::jthread other([&] { play(1); });
-        play(0);
-    }
-    // Processor time: a busy machine makes it last, and makes it no dearer.
-    EXPECT_LT(processor_time(CLOCK_PROCESS_CPUTIME_ID) - before, rounds * 2e-3 / 4) << "2 ms is what an untaught wait takes";
-}
-
 TEST(Backoff, LeavesTheProcessorToOthersIfPassive) {
     std::atomic<std::uint64_t> word{0};
     std::jthread other([&] {
@@ -230,17 +197,6 @@ protected:
     ProcessorUse use_;
     ContentionBackoff contention_{use_};
 };
-
-TEST_F(RetreatOf, AWorkerWithAProcessorOfItsOwnStays) {
-    for (int i = 0; i < 100; ++i) ASSERT_FALSE(window(2ms, 20us, 1)) << "a short interruption is no other load";
-}
-
-TEST_F(RetreatOf, ALostSliceIsSeenInTheNextWindow) {
-    EXPECT_FALSE(window(2ms, 0us, 0));
-    EXPECT_TRUE(window(5ms, 4ms, 1));
-}
-
-TEST_F(RetreatOf, SleepOfOnesOwnWillIsNoLoss) { EXPECT_FALSE(window(5ms, 4ms, 0)); }
 
 TEST_F(RetreatOf, StaysAwayLongerEachTimeAndForgetsWhenLeftInPeace) {
     auto expected = ContentionBackoff::shortest;

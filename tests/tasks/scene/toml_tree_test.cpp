@@ -80,33 +80,6 @@ TEST(TomlLimits, RefuseWhatWouldOverflowTheStack) {
     EXPECT_EQ(complaint("x = " + repeated("[\n", 33)), "s.toml:33:1: " + nested);
 }
 
-TEST(TomlLimits, RefuseKeysAndTextsThatTakeSecondsOrGigabytes) {
-    const std::clock_t begin = std::clock();
-    EXPECT_EQ(complaint("[chain]\n" + std::string(1 << 20, 'k') + " = 1\n"),
-              "s.toml:2:257: not valid TOML: a key or number of more than 256 characters");
-    EXPECT_EQ(complaint(std::string((4 << 20) + 1, '\n')), "s.toml:1:1: not valid TOML: longer than 4194304 bytes");
-    const std::string quoted = complaint("[chain]\n\"" + std::string(1 << 20, 'k') + "\" = 1\n");
-    EXPECT_EQ(quoted, "s.toml:2:1: chain." + std::string(54, 'k') + "…: unknown key");
-    std::string many = "[chain]\n";
-    for (int i = 0; i < 50000; ++i) many += "k" + std::to_string(i) + " = 1\n";
-    const std::string message = complaint(many);
-    EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 100);
-    EXPECT_EQ(message.substr(message.rfind('\n') + 1), "… and 49900 more problems");
-    EXPECT_LT(std::clock() - begin, 5 * CLOCKS_PER_SEC);  // of processor time; 12 s for one key before
-}
-
-TEST(TomlLimits, KnowWhatIsTextAndWhatIsNot) {
-    EXPECT_FALSE(
-        beyond_limits("[scene]\ndescription = \"" + repeated("a.", 1000) + repeated("[", 1000) + std::string(1000, 'x') + "\\\"" + "\"\n")
-            .has_value());
-    EXPECT_FALSE(beyond_limits("x = '''\n" + repeated("[{.", 1000) + "'''\n").has_value());
-    EXPECT_FALSE(beyond_limits("x = \"\"\"\n" + repeated("[{\\\"\"", 1000) + "\"\"\"\n").has_value());
-    EXPECT_FALSE(beyond_limits("# " + repeated("[.", 1000) + "\nx = 1\n# " + repeated("[", 1000)).has_value());
-    EXPECT_FALSE(beyond_limits(repeated("x = [1.5, 2.5, [3.5]]\n", 1000)).has_value());
-    EXPECT_TRUE(beyond_limits("x = \"\"\n" + repeated("[", 33)).has_value());
-    EXPECT_TRUE(beyond_limits("x = \"not closed\n" + repeated("[", 33)).has_value());
-}
-
 TEST(Settings, AreNotBlamedForWhatTheyDidNotSay) {
     Scene scene = parse_scene("[scene]\nname = \"mine\"\n", "s.toml");
     scene.run.step = 2.0 * scene.run.output_interval;  // as a program may leave it

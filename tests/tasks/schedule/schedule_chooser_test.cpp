@@ -83,47 +83,6 @@ TEST(ScheduleChooser, UsesNoMoreThreadsThanPayAndGivesBackThoseThatNoLongerDo) {
 
 int still(double) { return 30; }
 
-TEST(ScheduleChooser, TakesNearThreadsAfterAnEarlyTurn) {
-    for (const double gain : {1.2, 1.5, 1.9}) {
-        ScheduleChooser chooser(many_threads, {});
-        const Invented outcome = run(chooser, gains({1.0, 3.0, 2.5, 2.2, gain}), 0.1, still, true);
-        EXPECT_EQ(many_threads[static_cast<std::size_t>(chooser.chosen())], 2) << "the fewest, within 0.1 s";
-        EXPECT_DOUBLE_EQ(chooser.per_cycle(4), serial_cost / gain);
-        EXPECT_DOUBLE_EQ(chooser.per_cycle(0), serial_cost);
-        EXPECT_GT(outcome.serial / outcome.seconds, 0.9 * gain) << "two turns of serial in 0.1 s";
-        run(chooser, gains({1.0, 3.0, 2.5, 2.2, gain}), 10.0, still, true);
-        EXPECT_EQ(many_threads[static_cast<std::size_t>(chooser.chosen())], 16) << "once trials of all are affordable";
-    }
-}
-
-TEST(ScheduleChooser, ComparesAnEarlyTurnWithWarmWork) {
-    ScheduleChooser chooser(equal_threads<2>, {});
-    const Machine machine = [](int, double time) { return time < 0.004 ? 1.3 * serial_cost : serial_cost; };
-    run(chooser, machine, 0.1, still, true);
-    EXPECT_EQ(chooser.chosen(), 0) << "threads gain nothing; the run began slowly";
-    EXPECT_EQ(chooser.changes(), 0);
-}
-
-TEST(ScheduleChooser, ChecksAllAsSoonAfterAnEarlyTurnAsWithoutOne) {
-    for (const double of_two : {0.9, 1.3}) {
-        ScheduleChooser chooser(many_threads, {});
-        run(chooser, gains({1.0, 3.0, 2.5, 2.2, of_two}), 1.5, still, true);
-        EXPECT_GT(chooser.checks(), 0);
-        EXPECT_EQ(many_threads[static_cast<std::size_t>(chooser.chosen())], 16) << of_two;
-    }
-}
-
-TEST(ScheduleChooser, LosesOneTurnWhereNearThreadsDoNotGain) {
-    for (const double factor : {1.0, 1.04, 1.5, 100.0}) {
-        ScheduleChooser chooser(equal_threads<2>, {});
-        const Machine machine = [=](int candidate, double) { return candidate == 0 ? serial_cost : factor * serial_cost; };
-        const Invented outcome = run(chooser, machine, 0.3, still, true);
-        EXPECT_EQ(chooser.chosen(), 0);
-        EXPECT_LE(outcome.seconds - outcome.serial, ChooserOptions{}.turn + factor * serial_cost + 1e-4)
-            << "a turn, its last cycle, a question";
-    }
-}
-
 TEST(ScheduleChooser, AsksWithinItsShareOfTheTime) {
     ScheduleChooser chooser(many_threads, {});
     double time = 0.0, asked = 0.0;
@@ -141,20 +100,6 @@ TEST(ScheduleChooser, AsksWithinItsShareOfTheTime) {
     EXPECT_LE(asked, 0.5 * ChooserOptions{}.max_trial_share * time + question);
 }
 
-TEST(ScheduleChooser, BeginsWithWorkAfterARunThatEndedWithinATurn) {
-    ScheduleChooser chooser(equal_threads<2>, {});
-    chooser.record({0.004, serial_cost, 30});
-    ASSERT_EQ(chooser.asks(), 2);
-    chooser.answer(0.1e-6, 1e-4);
-    EXPECT_EQ(chooser.candidate(), 1);
-    chooser.interrupt();
-    EXPECT_EQ(chooser.candidate(), 0);
-    const Invented outcome = run(
-        chooser, [](int candidate, double) { return serial_cost / (1.0 + candidate); }, 0.1, still, true);
-    EXPECT_EQ(chooser.chosen(), 1) << "it is asked again";
-    EXPECT_GT(outcome.serial, outcome.seconds);
-}
-
 TEST(ScheduleChooser, NeverCostsTwoPercentOfSerialHoweverBadTheOthersAre) {
     for (const double factor : {1.01, 1.2, 2.0, 6.0, 100.0}) {
         for (const double seconds : {0.01, 0.3, 0.6, 1.0, 3.0, 60.0}) {
@@ -165,14 +110,6 @@ TEST(ScheduleChooser, NeverCostsTwoPercentOfSerialHoweverBadTheOthersAre) {
             EXPECT_LT(outcome.seconds, 1.02 * outcome.serial) << factor << " " << seconds;
         }
     }
-}
-
-TEST(ScheduleChooser, PrefersTheFirstIfTheGainIsSmall) {
-    ScheduleChooser chooser(equal_threads<2>, {});
-    run(
-        chooser, [](int candidate, double) { return candidate == 0 ? serial_cost : serial_cost / 1.04; }, 5.0);
-    EXPECT_EQ(chooser.chosen(), 0);
-    EXPECT_GT(chooser.checks(), 0);
 }
 
 TEST(ScheduleChooser, LeavesAScheduleThatALoadHasMadeSlow) {
@@ -187,42 +124,6 @@ TEST(ScheduleChooser, LeavesAScheduleThatALoadHasMadeSlow) {
         chooser, [&](int candidate, double time) { return machine(candidate, time + then); }, 0.4);  // 0.1 s to see it, and a check
     EXPECT_EQ(chooser.chosen(), 0) << "within 0.4 s";
     EXPECT_LT(under_load.seconds, 2.0 * under_load.serial);
-}
-
-TEST(ScheduleChooser, FindsOutThatALoadHasGoneThoughTheFirstDoesNotFeelIt) {
-    ScheduleChooser chooser(equal_threads<2>, {});
-    const Machine machine = [](int candidate, double time) {
-        return candidate == 0 ? serial_cost : time < 5.0 ? 1.2 * serial_cost : serial_cost / 1.9;
-    };
-    run(chooser, machine, 5.0);
-    EXPECT_EQ(chooser.chosen(), 0);
-    const Invented outcome = run(
-        chooser, [&](int candidate, double time) { return machine(candidate, time + 5.0); }, 20.0);
-    EXPECT_EQ(chooser.chosen(), 1);
-    EXPECT_GT(outcome.serial / outcome.seconds, 1.4);  // the period between checks has grown to 4 s
-}
-
-TEST(ScheduleChooser, ChecksAgainWhenOtherLinksTouch) {
-    ChooserOptions options;
-    options.first_period = options.longest_period = 1e9;
-    const Machine machine = [](int candidate, double) { return candidate == 0 ? serial_cost : 0.8 * serial_cost; };
-    for (const bool change : {false, true}) {
-        ScheduleChooser chooser(equal_threads<2>, options);
-        run(chooser, machine, 4.0, [=](double time) { return change && time > 2.0 ? 40 : 30; });
-        EXPECT_EQ(chooser.checks(), change ? 2 : 1);
-    }
-}
-
-TEST(ScheduleChooser, StaysWithOneOfTwoThatAreEquallyFast) {
-    ScheduleChooser chooser(equal_threads<3>, {});
-    const Machine machine = [](int candidate, double time) {  // noise of 1 %
-        return candidate == 0 ? serial_cost : serial_cost / 1.8 * (1.0 + 0.01 * std::sin(1e4 * time * candidate));
-    };
-    run(chooser, machine, 60.0);
-    EXPECT_NE(chooser.chosen(), 0);
-    EXPECT_EQ(chooser.changes(), 1);
-    EXPECT_GT(chooser.checks(), 4);
-    EXPECT_LT(chooser.lost(), 0.01 * 60.0);
 }
 
 TEST(ScheduleChooser, OfOneCandidateNeverChangesAnything) {
