@@ -6,11 +6,6 @@
 
 namespace cvtflow::oracle {
 
-FurtherElement& further_element() {
-    static FurtherElement element;
-    return element;
-}
-
 namespace {
 
 Totals all_forces(const System& system) {
@@ -21,7 +16,6 @@ Totals all_forces(const System& system) {
         add_inner_elements(system, totals);
         add_plates(system, totals);
         add_joints(system, totals);
-        if (further_element().of_halves != nullptr) further_element().of_halves(system, totals);
     }
     if (system.parameters.detail.pulleys == model::PulleyDetail::absent) return totals;
     if (!system.layout.rigid) add_tips(system, totals);

@@ -199,7 +199,6 @@ void add_rigid_pins(const System& system, Totals& totals) {
     PinForces forces(chain, totals);
     for (int i = 0; i < system.layout.links; ++i) {
         add_link(forces, i);
-        if (further_element().of_rigid_link != nullptr) further_element().of_rigid_link(forces, i);
     }
     for (int pin = 0; pin < system.layout.links; ++pin) {
         const Vec2 b = chain.rolling[pin].bisector;

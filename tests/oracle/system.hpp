@@ -137,14 +137,6 @@ Real force_without_pressure(const System& system, int shaft);
 /// Clamping forces by pressure [N], with the rates of the hydraulics in `totals`. requested [N]
 std::array<Real, 2> hydraulic_forces(const System& system, const std::array<Real, 2>& requested, Totals& totals);
 
-/// A further force element, which the recipe's worked example adds: for links of pin halves, and for the links of rigid pins one by one.
-struct PinForces;
-struct FurtherElement {
-    void (*of_halves)(const System& system, Totals& totals) = nullptr;
-    void (*of_rigid_link)(PinForces& forces, int link) = nullptr;
-};
-FurtherElement& further_element();  ///< none
-
 // The force laws, section by section.
 void add_inner_elements(const System& system, Totals& totals);  // 3
 void add_plates(const System& system, Totals& totals);          // 4
