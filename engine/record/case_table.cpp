@@ -333,6 +333,7 @@ namespace {
 constexpr std::size_t claim_bytes = 8 + 1 + 12 + 1 + 12 + 1;
 constexpr int claim_attempts = 30'000;  ///< attempts, 2 ms each: a claim takes far less than a minute, also on a slow shared folder
 constexpr long claims_of_rest = 256;
+constexpr off_t max_claim_bytes = off_t{16} << 20U;  ///< far beyond what workers write: the number of claims grows like a logarithm
 
 /// Claims up to a line that a power cut has torn, of which pages may be missing; the cases behind it are unclaimed.
 /// @throws RecordError for another file
@@ -356,6 +357,18 @@ std::vector<Claim> parsed_claims(const std::string& path, const std::string& tex
     return claims;
 }
 
+/// Opens a file of claims and does not wait for a pipe. The number is negative if it is absent. @throws RecordError
+Descriptor open_claims(const std::string& path, int mode) {
+    Descriptor file(open(path.c_str(), mode | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
+    if (file.number() < 0 && errno == ENOENT) return file;
+    if (file.number() < 0) throw RecordError(path + ": cannot be opened: " + std::strerror(errno));
+    struct stat status {};
+    if (fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode) || (mode != O_RDONLY && status.st_nlink > 1) ||
+        status.st_size > max_claim_bytes)
+        throw RecordError(path + ": a file with a second name, or none of a sweep; move it away");
+    return file;
+}
+
 /// @throws RecordError
 std::string text_behind(int descriptor, const std::string& path) {
     std::string text;
@@ -371,22 +384,18 @@ std::string text_behind(int descriptor, const std::string& path) {
 }  // namespace
 
 std::vector<Claim> read_claims(const std::string& path) {
-    const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-    if (file.number() < 0 && errno == ENOENT) return {};
-    if (file.number() < 0) throw RecordError(path + ": cannot be read: " + std::strerror(errno));
+    const Descriptor file = open_claims(path, O_RDONLY);
+    if (file.number() < 0) return {};
     return parsed_claims(path, text_behind(file.number(), path));
 }
 
 Claim claim_cases(const std::string& path, int worker, long cases, long strand) {
-    const Descriptor file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
+    const Descriptor file = open_claims(path, O_RDWR | O_CREAT);
     if (file.number() < 0) throw RecordError(path + ": cannot create: " + std::strerror(errno));
     for (int attempt = 0; !lock_file(file.number(), path); ++attempt) {
         if (attempt == claim_attempts) throw RecordError(path + ": another worker does not release its lock");
         usleep(2'000);
     }
-    struct stat status {};
-    if (fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink > 1)
-        throw RecordError(path + ": a file with a second name, or none of a sweep; move it away");
     const std::vector<Claim> claims = parsed_claims(path, text_behind(file.number(), path));
     Claim claim{worker, claims.empty() ? 0 : claims.back().end()};
     const long strands = (cases - claim.first) / strand;

@@ -237,7 +237,7 @@ bool WorkerPlaces::has_work(int number, const std::vector<engine::Claim>& claims
     try {
         OrderedRows rows(file);
         return std::ranges::any_of(claims, [&](const engine::Claim& claim) {
-            for (long k = claim.first; claim.worker == number && k < claim.end(); ++k)
+            for (long k = claim.first; claim.worker == number && k < std::min(claim.end(), sweep_.cases()); ++k)
                 if (rows.of_case(k).empty()) return true;
             return false;
         });
@@ -249,16 +249,17 @@ bool WorkerPlaces::has_work(int number, const std::vector<engine::Claim>& claims
 std::optional<WorkerPlace> WorkerPlaces::next() {
     const std::vector<engine::Claim> claims = engine::read_claims(claims_file(folder_));
     const bool open = claims.empty() || claims.back().end() < sweep_.cases();
-    int last = 0;
-    for (const engine::Claim& claim : claims) last = std::max(last, claim.worker);
-    for (int number = 1; open || number <= last; ++number) {
+    std::set<int> workers;
+    for (const engine::Claim& claim : claims) workers.insert(claim.worker);
+    for (int number = 1; open || number <= (workers.empty() ? 0 : *workers.rbegin()); ++number) {
+        if (!open) number = *workers.lower_bound(number);
         if (!open && finished_.contains(number)) continue;
         std::unique_ptr<engine::FolderLock> lock = engine::FolderLock::if_free(shard_folder(folder_, {number, 0}));
         if (lock == nullptr) continue;
         if (open || has_work(number, claims)) return WorkerPlace{number, std::move(lock)};
         finished_.insert(number);
     }
-    done_ = !open && static_cast<int>(finished_.size()) >= last;
+    done_ = !open && finished_.size() >= workers.size();
     return {};
 }
 

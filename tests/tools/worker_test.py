@@ -78,6 +78,11 @@ class Worker(Program):
             Path("out/cases.h5").unlink(missing_ok=True)
             claims.write_bytes(damaged)
             self.assertEqual(hash_in(self.worker().out), whole)
+        for forged in (b"99999999            0           12\n", b"       1            0 999999999999\n"):
+            Path("out/cases.h5").unlink(missing_ok=True)
+            claims.write_bytes(forged)
+            self.assertEqual(hash_in(self.worker().out), whole)
+            self.assertLess(len(os.listdir("out/workers")), 20)
         Path("out/cases.h5").unlink(missing_ok=True)
         claims.write_bytes(b"mine\n")
         self.assertEqual(self.worker("", 1).err, "cvtflow: out/workers/claims: not the claims of a sweep's workers; move it away\n")

@@ -1,6 +1,7 @@
 #include "engine/record/case_table.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -149,9 +150,13 @@ TEST_F(Claims, ContinueBeforeWhatAKillOrAPowerCutHasTorn) {
             EXPECT_EQ(read_claims(file).size(), 1u) << "the cases behind are unclaimed";
         std::ofstream(file) << text.substr(0, 35) << "       4            1            1\n";
     }
+    std::filesystem::resize_file(file, std::uintmax_t{17} << 20U);
+    ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
+    for (const std::string& wrong : {file, path("pipe")})  // neither is read, nor waited for
+        EXPECT_THAT(error_of([&] { (void)read_claims(wrong); }), testing::HasSubstr("none of a sweep; move it away"));
     std::filesystem::create_symlink(file, path("link"));
     EXPECT_EQ(error_of([&] { (void)claim_cases(path("link"), 1, 20, 1); }),
-              path("link") + ": cannot create: Too many levels of symbolic links");
+              path("link") + ": cannot be opened: Too many levels of symbolic links");
 }
 
 TEST_F(Claims, FolderLockIsFreeOnlyWhenItsProcessAndThatProcesssChildrenAreGone) {
