@@ -47,6 +47,7 @@ void Handle::close(std::string_view what) {
 }
 
 void Handle::release() noexcept {
+    const QuietErrors quiet;
     if (id_ >= 0) close_(std::exchange(id_, -1));
 }
 

@@ -69,6 +69,14 @@ TEST_F(FileSealTest, KeepsABrokenRecordFromTheLibrary) {
 namespace cvtflow::engine::hdf5 {
 namespace {
 
+TEST(Hdf5Handle, PrintsNothingWhereItCannotBeClosed) {
+    hdf5::Handle handle(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "");
+    ASSERT_GE(H5Pclose(handle.id()), 0);
+    testing::internal::CaptureStderr();
+    handle.release();
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
 TEST(Hdf5Checksum, IsJenkinsLookup3) {
     const auto sum = [](std::string_view text) { return metadata_checksum(std::as_bytes(std::span(text))); };
     EXPECT_EQ(sum(""), 0xdeadbeefU);  // values of the self-test by its author
