@@ -103,6 +103,7 @@ void AutoStep::restart() noexcept {
     for (SpectralBound& part : damped_parts_) part.forget();
     checked_ = begun_ = damped_at_ = turned_ = -1e300;
     part_ = no_part;
+    soonest_ = check_interval;
     damping_due_ = false;
     stable_ = growth_ = pin_period_ = 0.0;
     damped_ = forever;
@@ -111,10 +112,14 @@ void AutoStep::restart() noexcept {
 
 double AutoStep::longest(double time, const double* state, const model::Phase* phases) noexcept {
     if (begun_ == -1e300) begun_ = time;
+    if (clamping_has_risen(time, state)) {  // contacts follow within some milliseconds
+        begun_ = time;
+        soonest_ = soonest_after_rise;
+    }
     if (part_ == no_part && time - checked_ >= std::min(interval_, checked_ - begun_) * (1.0 - 1e-9)) {
-        // Contacts damp more the more they bear; what they bear hardly changes once a run has settled. Waves that are filtered are the
-        // links' own, whose stiffness does not change.
-        damping_due_ = time == begun_ || time - begun_ >= std::max(check_interval, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9);
+        // Contacts damp more the more they bear; what they bear hardly changes in a settled run whose clamping does not. Waves that are
+        // filtered are the links' own, whose stiffness does not change.
+        damping_due_ = time == begun_ || time - begun_ >= std::max(soonest_, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9);
         part_ = 0;
         checked_ = time;
         pin_period_ = model::pin_period(chain_, variator_.layout(), state);
@@ -128,6 +133,18 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
     const double passing =
         pin_period_ > 0.0 ? pin_period_ / (reuses_eigenvectors_ ? steps_per_rigid_pin : steps_per_pin_of_halves) : forever;
     return std::min({stable_step(), passing, longest_});
+}
+
+/// Forces without the ramp of a start.
+std::array<double, 2> AutoStep::clamping(double time, const double* state) const noexcept {
+    return variator_.pulleys().inputs().at(std::max(time, 0.0), state + variator_.layout().pulley_begin()).clamping;
+}
+
+bool AutoStep::clamping_has_risen(double time, const double* state) const noexcept {
+    constexpr double rise = 1.2, small = 100.0;  // [1], [N]
+    if (reuses_eigenvectors_ || damped_parts_.empty() || damped_at_ == -1e300 || variator_.layout().pulley_size == 0) return false;
+    const std::array<double, 2> now = clamping(time, state);
+    return now[0] > rise * std::max(small, damped_with_[0]) || now[1] > rise * std::max(small, damped_with_[1]);
 }
 
 void AutoStep::estimate(double time, const double* state, const model::Phase* phases, int budget) noexcept {
@@ -146,6 +163,7 @@ void AutoStep::estimate(double time, const double* state, const model::Phase* ph
     if (damping_due_) {
         if (!damped_parts_.empty()) damped_ = limit_of(most_limiting());
         damped_at_ = time;
+        if (!damped_parts_.empty()) damped_with_ = clamping(time, state);
     }
     stable_ = std::min({within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()), damped_});
 }
@@ -181,7 +199,10 @@ std::string text_of(const LargestStep& limit) {
 void AutoStep::save(std::vector<double>& memory) const {
     memory.assign({checked_, begun_, stable_, damped_, damped_at_, growth_, pin_period_, static_cast<double>(evaluations_)});
     bound_.save(memory);
-    if (!reuses_eigenvectors_) return;
+    if (!reuses_eigenvectors_) {
+        memory.insert(memory.end(), {soonest_, damped_with_[0], damped_with_[1]});
+        return;
+    }
     for (const SpectralBound& part : damped_parts_) part.save(memory);
     memory.insert(memory.end(), {static_cast<double>(part_), damping_due_ ? 1.0 : 0.0, turned_});
     bound_.save_progress(memory);
@@ -201,7 +222,11 @@ void AutoStep::load(std::span<const double> memory) {
     pin_period_ = numbers[6];
     evaluations_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
     memory = bound_.load(memory);
-    if (!reuses_eigenvectors_) return;
+    if (!reuses_eigenvectors_) {
+        soonest_ = pop_front(memory, 1)[0];
+        std::ranges::copy(pop_front(memory, 2), damped_with_.begin());
+        return;
+    }
     for (SpectralBound& part : damped_parts_) memory = part.load(memory);
     part_ = pop_integer(memory, no_part, static_cast<int>(damped_parts_.size()));
     const auto turn = pop_front(memory, 2);

@@ -2,6 +2,7 @@
 /// `run.step = "auto"`: the longest step within the method's stability at the present state, with a margin, and within the error that the
 /// default promises.
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <span>
@@ -104,6 +105,9 @@ private:
     /// friction [s].
     static constexpr double rigid_check_interval = 20e-3;
 
+    /// Time after a rise of the clamping until damping is estimated again, and whenever it has doubled [s].
+    static constexpr double soonest_after_rise = 0.25e-3;
+
     /// An iteration of two evaluations in every such time [s]: 4 of 35 steps of 7.1 us. The 15 of an estimate are complete within 4 ms.
     static constexpr double turn_interval = 250e-6;
     static constexpr int turn_evaluations = 2;
@@ -113,6 +117,10 @@ private:
     [[nodiscard]] double limit_of(const SpectralBound& part) const noexcept;
     /// The one of damped_parts_, which must not be empty, with the shortest limit.
     [[nodiscard]] const SpectralBound& most_limiting() const noexcept;
+    /// Whether a clamping force has risen by a fifth since damped_parts_ were estimated, where halves bear it: contacts damp in proportion.
+    /// time [s], state [unknowns]
+    [[nodiscard]] bool clamping_has_risen(double time, const double* state) const noexcept;
+    [[nodiscard]] std::array<double, 2> clamping(double time, const double* state) const noexcept;
     /// Continues the present estimate. time [s], state [unknowns]   @param budget evaluations
     void estimate(double time, const double* state, const model::Phase* phases, int budget) noexcept;
 
@@ -132,8 +140,10 @@ private:
     const model::Variator& variator_;
     model::Chain chain_;
     double pin_period_ = 0.0;                   ///< period at the last estimate; 0: sets no limit [s]
-    double checked_ = -1e300, begun_ = -1e300;  ///< times of the last estimate and of the first [s]
+    double checked_ = -1e300, begun_ = -1e300;  ///< times of the last estimate, and of the first one or of a rise [s]
     double damped_at_ = -1e300;                 ///< time of the estimate of damped_ [s]
+    std::array<double, 2> damped_with_{};       ///< clamping forces there [N]
+    double soonest_ = check_interval;           ///< from begun_ to the second estimate of damped_ [s]
     double stable_ = 0.0;                       ///< longest stable step of the last estimate [s]
     double turned_ = -1e300;                    ///< time at which the present estimate was last continued [s]
     int part_ = no_part;                        ///< part in work: 0 bound_, then damped_parts_; no_part: no estimate is under way

@@ -33,6 +33,18 @@ StepAtSpeed step_at(const std::string& level, const std::string& scene_name, con
     return {automatic_step(simulation), simulation.workspace().pin_period()};
 }
 
+/// Contacts damp in proportion to what they bear. With a step found at 4 kN, clamping by 60 kN ends the run.
+TEST(AutoStep, OfHalvesFollowsClampingThatRises) {
+    const Scene scene =
+        scene_of("baseline", "fine",
+                 {"start.settling_time=5 ms", "start.ramp_time=2 ms", "load.torque=15", "chain.damping_ratio=0.127",
+                  "clamping.driven=[[0,4000],[3.2e-3,4000],[4.2e-3,60000]]", "clamping.driving=[[0,4800],[3.2e-3,4800],[4.2e-3,72000]]"});
+    Simulation simulation(scene);
+    settle_and_go(simulation, 7e-3);
+    EXPECT_LT(simulation.balance_error_ratio(), 1.0);
+    expect_continued(scene, 3.6e-3, 3.9e-3);
+}
+
 /// Longest step of rigid pins between outputs 50 us apart [s].
 constexpr double longest_of_rigid_pins = 50e-6 / 7;
 
