@@ -156,6 +156,8 @@ Heading heading_of(const std::string& cell) {
 
 namespace {
 
+std::string_view first_column(const Parameter& parameter) noexcept { return parameter.kind() == Kind::speed_table ? "speed" : "time"; }
+
 /// The number of a cell as it would be written in a scene.
 Node node_of(const std::string& cell, const std::string& unit, Position position) {
     if (!unit.empty()) return {cell + " " + unit, position};
@@ -171,8 +173,11 @@ public:
         : parameter_(parameter), position_(position), problems_(problems) {}
 
     /// Sets the table of the scene to the points of the file. @param folder  that its path counts from
-    void read(const Node::Table& table, const std::filesystem::path& folder, Scene& scene) {
-        if (!keys(table)) return;
+    void read(const Node& node, const std::filesystem::path& folder, Scene& scene) {
+        if (const auto* text = std::get_if<std::string>(&node.value))
+            file_ = *text;
+        else if (!keys(std::get<Node::Table>(node.value)))
+            return;
         const Node all = points(folder);
         if (!good_) return;
         scene.named_files.push_back(folder / file_);
@@ -186,15 +191,17 @@ private:
     /// Reads the keys of the table. @return whether they are valid
     bool keys(const Node::Table& table) {
         const std::size_t before = problems_.size();
+        const std::string first(first_column(parameter_));
         for (const Entry& entry : table) {
             const auto* text = std::get_if<std::string>(&entry.node.value);
-            std::string* requested = entry.key == "csv"     ? &file_
-                                     : entry.key == "time"  ? &names_[0]
-                                     : entry.key == "value" ? &names_[1]
-                                                            : nullptr;
+            std::string* requested = entry.key == "csv"                          ? &file_
+                                     : entry.key == first || entry.key == "time" ? &names_[0]
+                                     : entry.key == "value"                      ? &names_[1]
+                                                                                 : nullptr;
             if (requested == nullptr) {
-                const std::string near = engine::did_you_mean(engine::closest(entry.key, {"csv", "time", "value"}));
-                problem(fmt::format("{}: unknown key{}", entry.key, near.empty() ? " (there are csv, time, value)" : near));
+                const std::string near = engine::did_you_mean(engine::closest(entry.key, {"csv", first, "value"}));
+                problem(
+                    fmt::format("{}: unknown key{}", entry.key, near.empty() ? fmt::format(" (there are csv, {}, value)", first) : near));
             } else if (text == nullptr)
                 problem(fmt::format("{} is not a text", entry.key));
             else
@@ -242,7 +249,7 @@ private:
         columns_ = cells.size();
         std::vector<std::string> names;
         for (const std::string& cell : cells) names.push_back(heading_of(cell).name);
-        if (columns_ < 2) return problem(fmt::format("{}:{}: one column, not time and value", file_, line_));
+        if (columns_ < 2) return problem(fmt::format("{}:{}: one column, not {} and value", file_, line_, first_column(parameter_)));
         for (std::size_t k = 0; k < 2; ++k) {
             const auto found = names_[k].empty() ? names.begin() + static_cast<long>(k) : std::find(names.begin(), names.end(), names_[k]);
             if (found == names.end())
@@ -272,9 +279,14 @@ private:
 
 }  // namespace
 
+bool names_csv(const Node& node) noexcept {
+    const auto* text = std::get_if<std::string>(&node.value);
+    return text != nullptr ? text->ends_with(".csv") || text->ends_with(".CSV") : std::holds_alternative<Node::Table>(node.value);
+}
+
 void read_csv_points(const Parameter& parameter, const Node& node, const std::filesystem::path& folder, Scene& scene,
                      std::vector<Problem>& problems) {
-    PointReader(parameter, node.position, problems).read(std::get<Node::Table>(node.value), folder, scene);
+    PointReader(parameter, node.position, problems).read(node, folder, scene);
 }
 
 }  // namespace cvtflow::tasks

@@ -47,9 +47,12 @@ struct Heading {
 };
 [[nodiscard]] Heading heading_of(const std::string& cell);
 
+/// Whether a value of a table over time or speed names a file: a table with the key csv, or the name of a file that ends in .csv.
+[[nodiscard]] bool names_csv(const Node& node) noexcept;
+
 /// Sets a time table of the scene to the points of the file. Errors are appended to `problems` with the position of `node` and the place in
 /// the file, and leave the table unchanged.
-/// @param node a table
+/// @param node for which names_csv() is true
 /// @param folder base of a relative path
 void read_csv_points(const Parameter& parameter, const Node& node, const std::filesystem::path& folder, Scene& scene,
                      std::vector<Problem>& problems);

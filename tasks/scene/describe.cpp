@@ -40,12 +40,13 @@ std::string form_text(const Parameter& parameter) {
         case Kind::number_list: return number + ", or a list of them";
         case Kind::speed_table:
             return fmt::format(
-                "{}, a list of at most {} points [speed, value], or {{csv = \"FILE\", time = \"COLUMN\", value = \"COLUMN\"}} "
-                "with the speed in column time",
+                "{}, a list of at most {} points [speed, value], \"FILE.csv\" with these two columns, or {{csv = \"FILE\", speed = "
+                "\"COLUMN\", value = \"COLUMN\"}}",
                 number, max_speed_points);
         case Kind::time_table:
             return number +
-                   ", a list of points [time, value], linear between them, or {csv = \"FILE\", time = \"COLUMN\", value = \"COLUMN\"}";
+                   ", a list of points [time, value], linear between them, \"FILE.csv\" with these two columns, or {csv = \"FILE\", time = "
+                   "\"COLUMN\", value = \"COLUMN\"}";
     }
     return {};
 }
@@ -99,9 +100,10 @@ Json or_list(Json number, Json item, std::size_t most = max_points) {
 /// A number, points, or columns of a CSV file.
 Json table_schema(Json number, const Parameter& parameter, double last, std::size_t most) {
     const Json text{{"type", "string"}};
+    const char* first = parameter.kind() == Kind::speed_table ? "speed" : "time";
     Json schema = or_list(std::move(number), point_schema(last, parameter.min, parameter.max), most);
     schema["anyOf"].push_back({{"type", "object"},
-                               {"properties", {{"csv", text}, {"time", text}, {"value", text}}},
+                               {"properties", {{"csv", text}, {first, text}, {"value", text}}},
                                {"required", {"csv"}},
                                {"additionalProperties", false}});
     return schema;

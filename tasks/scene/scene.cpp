@@ -125,7 +125,7 @@ void Reading::value(const Parameter& parameter, const Node& node) {
     const std::size_t before = problems_.size();
     given_[parameter.key] = node.position;
     const bool takes_file = parameter.kind() == Kind::time_table || parameter.kind() == Kind::speed_table;
-    const bool names_file = takes_file && std::holds_alternative<Node::Table>(node.value);
+    const bool names_file = takes_file && names_csv(node);
     if (names_file && start_ == StartState::recorded)
         problem(node.position, fmt::format("{}: a recorded scene has the points of its tables; it names no file", parameter.key));
     else if (names_file)

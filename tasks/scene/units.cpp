@@ -32,6 +32,7 @@ struct Unit {
 
 constexpr std::array units{
     Unit{"1", {}, 0, 1, 1, false},
+    Unit{"-", {}, 0, 1, 1, false},
     Unit{"%", {}, -2, 1, 1, false},
     Unit{"m", {2, 0, 0, 0}, 0, 1, 1, true},
     Unit{"cm", {2, 0, 0, 0}, -2, 1, 1, false},
@@ -263,7 +264,7 @@ std::variant<Quantity, std::string> parse_quantity(std::string_view text) {
 std::vector<std::string> unit_symbols() {
     std::vector<std::string> symbols{std::string(celsius)};
     for (const Unit& unit : units) {
-        if (unit.symbol == "1") continue;
+        if (unit.symbol == "1" || unit.symbol == "-") continue;
         symbols.emplace_back(unit.symbol);
         for (const auto& prefix : prefixes)
             if (unit.takes_prefix) symbols.push_back(prefix.first + std::string(unit.symbol));

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 #include "tasks/scene/csv.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
@@ -93,6 +94,17 @@ TEST_F(CsvPoints, AreColumnsByTheirNamesWithUnitsOfTheHeadingOrTheCells) {
     EXPECT_EQ(load(R"({csv = "cells.csv"})"), expected);
 }
 
+/// What an engineer writes first: the name of the file alone, a decimal comma, "-" as the unit of a plain number.
+TEST_F(CsvPoints, AreTheFirstTwoColumnsOfAFileThatIsNamedAlone) {
+    write("oil.csv", "v [mm/s];friction [-]\n20;0,09\n300;0,05\n");
+    const model::SpeedTable expected{{0.02, 0.3}, {0.09, 0.05}};
+    for (const char* table : {"\"oil.csv\"", "{csv = \"oil.csv\", speed = \"v\", value = \"friction\"}"}) {
+        const Scene scene =
+            parse_scene("[tip]\nfriction_law = \"table\"\nfriction_table = " + std::string(table) + "\n", folder_ / "scene.toml");
+        EXPECT_EQ(scene.parameters.tip.friction_table, expected) << table;
+    }
+}
+
 TEST_F(CsvPoints, AreRefusedWhereACommaMayBeOfThousands) {
     write("drive.csv", "t;M\n0;12,000\n1;13,500\n");
     EXPECT_EQ(problem(R"({csv = "drive.csv"})").substr(0, 58), "load.torque: drive.csv:2: \"12,000\" can be 12 or 12000: wri");
@@ -106,7 +118,10 @@ TEST_F(CsvPoints, CountFromTheScenesFolderAndForASettingFromTheWorkingOne) {
     const auto before = std::filesystem::current_path();
     std::filesystem::current_path(folder_ / "");
     set_value(scene, R"(load.torque={csv = "drive.csv"})");
+    const model::TimeTable by_key = std::exchange(scene.parameters.load.torque, {});
+    set_value(scene, "load.torque=drive.csv");
     std::filesystem::current_path(before);
+    EXPECT_EQ(scene.parameters.load.torque, by_key);
     EXPECT_EQ(scene.parameters.load.torque, model::TimeTable({0.0, 1.0}, {1.0, 2.0}));
 }
 
