@@ -211,6 +211,7 @@ Fault CaseEngine::attempt(ContinuedStart from) {
     } else if (from.sheave) {
         rule.controlled = 0.0;
         rule.brief = brief_periods;
+        rule.cylinder = from.cylinder;
     }
     RunMeans& means = scalars_.means();
     scalars_.seek_steady(rule);

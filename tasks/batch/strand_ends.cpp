@@ -15,14 +15,17 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// Numbers that are extrapolated with a mean state: means of S_1 [N] and of the ratio [1].
+/// Numbers beside a mean state: means of S_1 [N] and of the ratio [1], which are extrapolated with it; SteadyRule::cylinder [W], negative
+/// where no sheave was held.
 constexpr const char* beside_name = "solved";
-using Beside = std::array<double, 2>;
-enum Solved { force, ratio };
+using Beside = std::array<double, 3>;
+enum Solved { force, ratio, cylinder };
 
 [[nodiscard]] std::optional<Beside> beside(const StartStates::State& end) {
     if (!end || end->more.empty() || end->more.front().name != beside_name) return {};
-    return Beside{end->more.front().values.at(force), end->more.front().values.at(ratio)};
+    const std::vector<double>& solved = end->more.front().values;
+    if (solved.size() <= cylinder) return {};
+    return Beside{solved.at(force), solved.at(ratio), solved.at(cylinder)};
 }
 
 /// Value of a key in a case; not a number where it has none.
@@ -96,12 +99,12 @@ void StrandEnds::take(const Step& step, long number, const Scene& scene, Continu
     if (beside(back) && beside(ahead) && share > 0.0 && share <= farthest) {
         const auto motion = static_cast<std::size_t>(layout.control_begin());
         for (std::size_t k = 0; k < motion; ++k) moved->state[k] += share * (ahead->state[k] - back->state[k]);
-        for (std::size_t k = 0; k < solved.size(); ++k) solved[k] += share * ((*beside(ahead))[k] - (*beside(back))[k]);
-        start = {moved, {}, true};
+        for (const std::size_t k : {force, ratio}) solved[k] += share * ((*beside(ahead))[k] - (*beside(back))[k]);
+        start = {moved, {}, 0.0, true};
     }
     const double target = scene.parameters.control.ratio.at(0.0);
     const bool along_the_line = step.from == number - 1;
-    if (scene.when_steady != WhenSteady::hold || !(start.extrapolated || along_the_line)) return;
+    if (scene.when_steady != WhenSteady::hold || solved[cylinder] < 0.0 || !(start.extrapolated || along_the_line)) return;
     if (!(std::abs(solved[ratio] / target - 1.0) < largest_move)) return;
     if (!model::shift_ratio(scene.parameters, solved[ratio], target, moved->state.data())) return;
     moved->time = -shock;
@@ -109,7 +112,7 @@ void StrandEnds::take(const Step& step, long number, const Scene& scene, Continu
     model::PulleyCoordinates coordinates;
     coordinates.adopt(scene.parameters);
     const double opening = coordinates.opening(moved->state.data() + layout.pulley_begin(), 0);
-    start = {moved, model::HeldSheave{opening, std::max(0.0, solved[force])}, start.extrapolated};
+    start = {moved, model::HeldSheave{opening, std::max(0.0, solved[force])}, solved[cylinder], start.extrapolated};
 }
 
 void StrandEnds::keep(long number, const Scene& scene, Simulation& simulation, const SectionMean& sections, const RunMeans& means) {
@@ -120,7 +123,7 @@ void StrandEnds::keep(long number, const Scene& scene, Simulation& simulation, c
     saved->time = 0.0;
     if (sections.put(*saved, simulation.workspace().layout())) {
         const SpanMeans all = means.all();
-        saved->more = {{beside_name, {all.clamping[0], all.ratio}}};
+        saved->more = {{beside_name, {all.clamping[0], all.ratio, means.rule().holds_sheave() ? means.rule().cylinder : -1.0}}};
         for (engine::Attribute& each : saved->attributes) {  // what was before the means is no part of the mean state
             if (each.name == balance_error_ratio_attribute) each.value = simulation.balance_error_ratio(means.mark());
         }

@@ -17,6 +17,7 @@ namespace cvtflow::tasks {
 struct ContinuedStart {
     StartStates::State state{};
     std::optional<model::HeldSheave> sheave{};  ///< the driving sheave, held from the start on
+    double cylinder = 0.0;                      ///< SteadyRule::cylinder of the end [W]
     bool extrapolated = false;                  ///< whether the state is made of several ends
 };
 

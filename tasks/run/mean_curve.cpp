@@ -171,7 +171,10 @@ constexpr double unseen_share = 0.5;     ///< error by what changes too slowly t
 constexpr double rail_scatter = 0.25;    ///< relative scatter of the loss by guides, 95 %, in a mean over rail_time
 constexpr double rail_time = 0.1;        ///< correlation time of impacts, longer than a short run shows [s]
 constexpr double often_limited = 0.05;   ///< share of time at its limit above which a control holds nothing
-constexpr double most_slip = 0.1;        ///< slip above which load or clamping decide alone; a chain that holds creeps by a hundredth
+constexpr double moved_share = 0.4;      ///< of the tolerance: losses of the cylinders under control above which no sheave is held
+constexpr double longest_held_period = 1.1e-3;  ///< with slower pins these losses grow up to eleven times after 24 periods [s]
+constexpr double growth_of_cylinder = 2.0;      ///< those losses in the long run over those in the second half of 24 pin periods of control
+constexpr double most_slip = 0.1;           ///< slip above which load or clamping decide alone; a chain that holds creeps by a hundredth
 constexpr double growth_of_sliding = 1.1;   ///< growth from one half of the window to the other; an imposed slip does not grow
 constexpr double min_noted_slip = 3e-3;     ///< smallest slip to which errors are relative in notes: steps are exact to 3e-5 of a speed
 constexpr double share_of_ratio = 0.1;      ///< tolerance of the ratio over that of other means, which follow a ratio that moves
@@ -317,14 +320,23 @@ void fill_errors(std::span<const Block> blocks, MeanErrors& errors) noexcept {
     }
 }
 
+/// Mean power of a kind of loss [W].
+[[nodiscard]] double loss_rate(const MeanPoint& begin, const MeanPoint& end, model::Loss of) noexcept {
+    const auto kind = static_cast<std::size_t>(of);
+    return (end.energy.loss[kind] - begin.energy.loss[kind]) / (end.time - begin.time);
+}
+
+/// Adds an error of the losses [W] to theirs and to the efficiency's. @param part  of both errors
+void add_of_losses(double error, double MeanError::*part, MeanErrors& errors) noexcept {
+    MeanError &losses_of = errors.error[losses], &efficiency_of = errors.error[efficiency];
+    losses_of.*part = std::hypot(losses_of.*part, error);
+    if (losses_of.mean > 0.0) efficiency_of.*part = std::hypot(efficiency_of.*part, error * (1.0 - efficiency_of.mean) / losses_of.mean);
+}
+
 /// Adds how irregular the rails of guides are to the errors of losses and efficiency.
 void add_rails(const MeanPoint& begin, const MeanPoint& end, MeanErrors& errors) noexcept {
-    constexpr auto guide = static_cast<std::size_t>(model::Loss::guide);
-    const double span = end.time - begin.time, lost = (end.energy.loss[guide] - begin.energy.loss[guide]) / span;
-    const double scatter = lost * std::min(1.0, rail_scatter * std::sqrt(rail_time / span));
-    MeanError &losses_of = errors.error[losses], &efficiency_of = errors.error[efficiency];
-    losses_of.noise = std::hypot(losses_of.noise, scatter);
-    if (losses_of.mean > 0.0) efficiency_of.noise = std::hypot(efficiency_of.noise, scatter * (1.0 - efficiency_of.mean) / losses_of.mean);
+    const double scatter = std::min(1.0, rail_scatter * std::sqrt(rail_time / (end.time - begin.time)));
+    add_of_losses(loss_rate(begin, end, model::Loss::guide) * scatter, &MeanError::noise, errors);
 }
 
 /// Whether tensions swing more and more. points: of the window [periods + 1]
@@ -374,6 +386,15 @@ MeanErrors noted_errors(MeanErrors errors, double tolerance, bool held) noexcept
     return errors;
 }
 
+void judge_control(const MeanCurve& curve, SteadyRule& rule) noexcept {
+    const auto last = static_cast<std::size_t>(rule.controlled);
+    const MeanPoint &begin = curve.points()[last / 2], &end = curve.points()[last];
+    const double lost = (end.energy.lost() - begin.energy.lost()) / (end.time - begin.time);
+    rule.cylinder = loss_rate(begin, end, model::Loss::cylinder);
+    const bool moves = rule.cylinder > moved_share * rule.tolerance * lost || curve.pin_period() > longest_held_period;
+    if (rule.tolerance > 0.0 && moves) rule.controlled = 0.0;
+}
+
 SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcept {
     const std::span<const MeanPoint> points = curve.points();
     const auto first = static_cast<std::size_t>(rule.controlled), unit = static_cast<std::size_t>(rule.repeats);
@@ -394,6 +415,7 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
     for (const std::size_t quantity : {slip, friction_slip, losses, efficiency}) means.error[quantity].drift *= means.to_come;
     const bool held = rule.holds_ratio && end.mean_since(begin, Mean::limited) <= often_limited;
     means.off_target = held ? std::abs(end.mean_since(begin, Mean::missed)) : 0.0;
+    const double cylinder = rule.holds_sheave() ? std::max(0.0, rule.cylinder - loss_rate(begin, end, model::Loss::cylinder)) : 0.0;
     means.astray = rule.brief > 0.0 && means.off_target > misses_held;
     means.unseen = unseen_share * rule.tolerance;
     means.unseen_ratio = means.unseen * (held ? share_of_ratio : 1.0);
@@ -404,6 +426,7 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
     }
     means.judge(rule.tolerance, held && !rule.holds_sheave() ? share_of_ratio : 1.0, min_steady_slip, efficiency);
     add_unseen_slip(means, rule.holds_sheave());
+    add_of_losses(growth_of_cylinder * cylinder, &MeanError::drift, means);
     judge_swing(points.subspan(means.begin), means);
     const MeanPoint& middle = points[means.begin + batches / 2 * means.batch];
     const double earlier = std::abs(middle.mean_since(begin, Mean::friction_slip));

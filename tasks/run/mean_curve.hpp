@@ -79,6 +79,7 @@ struct SteadyRule {
     double grip = 0.0;         ///< largest tension difference of an arc over its clamping force [1]
     double inertia = 0.0;      ///< inertia of shaft 2, which a load torque brakes; 0: how slowly slip settles is not known [kg·m²]
     double brief = 0.0;        ///< pin periods after which means count where the sheave is held from the start on; 0: it is not [1]
+    double cylinder = 0.0;     ///< power that the cylinders' dampers take under control, before the sheave is held [W]
 
     [[nodiscard]] bool holds_sheave() const noexcept { return controlled > 0.0 || brief > 0.0; }
 };
@@ -201,6 +202,10 @@ struct SteadyMeans : MeanErrors {
 
     [[nodiscard]] bool steady() const noexcept { return batches > 0 && share > 0.0 && share <= 1.0 && !grows && !early; }
 };
+/// Judges the second half of rule.controlled periods, which have to be over: sets rule.cylinder, and rule.controlled to zero where control
+/// moves the sheave too much to be replaced by one that is held, or may do so later.
+void judge_control(const MeanCurve& curve, SteadyRule& rule) noexcept;
+
 /// @param curve one that marks periods
 [[nodiscard]] SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcept;
 

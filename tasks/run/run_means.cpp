@@ -191,7 +191,12 @@ void RunMeans::add(const model::Observation& now, const EnergySums& sums, double
     curve_.add(now, sums, pin_period, mark, needed_speed);
     const double off = needed_speed != 0.0 ? now.speed[1] / needed_speed - 1.0 : 0.0;
     if (std::abs(off) > std::abs(miss_.share)) miss_ = {now.time, off};
+    end_control();
     if (rule_.limit > 0.0 && !ended_) check_steady();
+}
+
+void RunMeans::end_control() noexcept {
+    if (rule_.controlled > 0.0 && static_cast<double>(curve_.points().size()) > rule_.controlled) judge_control(curve_, rule_);
 }
 
 void RunMeans::check_steady() noexcept {
@@ -219,7 +224,9 @@ std::span<const double> RunMeans::load(std::span<const double> memory) {
     const auto saved = pop_front(memory, 3);
     next_check_ = saved[0];
     miss_ = {saved[1], saved[2]};
-    return curve_.load(memory);
+    memory = curve_.load(memory);
+    end_control();
+    return memory;
 }
 
 namespace {

@@ -110,6 +110,7 @@ public:
 
 private:
     void check_steady() noexcept;
+    void end_control() noexcept;                                 ///< calls judge_control() once it can
     [[nodiscard]] double begin() const noexcept;                 ///< begin of the means [s]
     [[nodiscard]] double end() const noexcept;                   ///< [s]
     [[nodiscard]] SpanMeans span(double from, double to) const;  ///< from, to: shares of the time of the means [1]

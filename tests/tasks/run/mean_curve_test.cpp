@@ -20,8 +20,10 @@ constexpr double period = 7e-4, pins = 80.0;  // [s], [1]
 constexpr SteadyRule one_percent{0.01, 20.0 * pins, pins, 1.0};
 
 /// A machine at 100 rad/s that loses a fiftieth of its power; `fill` sets what its observations have besides.
+/// @param cylinder power that the cylinders take in the first 24 periods [W]
 template <class Fill>
-RunMeans means_that(const Fill& fill, double until = 10.0, const SteadyRule& rule = one_percent, double pin_period = period) {
+RunMeans means_that(const Fill& fill, double until = 10.0, const SteadyRule& rule = one_percent, double pin_period = period,
+                    double cylinder = 0.0) {
     RunMeans means;
     means.seek_steady(rule);
     for (double time = 0.0; time <= until && !means.ended(); time += period / 10.3) {  // samples lie at no fixed place of a period
@@ -37,6 +39,7 @@ RunMeans means_that(const Fill& fill, double until = 10.0, const SteadyRule& rul
         sums.time = time;
         sums.work = {1e4 * time, -9.8e3 * time};
         sums.loss[0] = 200.0 * time;
+        sums.loss[static_cast<std::size_t>(model::Loss::cylinder)] = cylinder * std::min(time, 24.0 * pin_period);
         means.add(now, sums, pin_period);
     }
     return means;
@@ -107,6 +110,21 @@ TEST(SteadyMeans, AreOfWholePinPeriodsWhateverRippleAndSamplesDo) {
     EXPECT_NEAR(means.all().begin, 0.5 * means.all().end, 8.0 * period);
     EXPECT_NEAR(means.all().periods * period, means.all().end - means.all().begin, 1e-9);
     EXPECT_LT(means.steady().alternation, 1e-4);
+}
+
+/// A held sheave rests. What its cylinder takes under control is part of the error, or control stays: also where pins are slow.
+TEST(SteadyMeans, AreOfControlWhereItMovesTheSheave) {
+    SteadyRule rule = one_percent;
+    rule.controlled = 24.0;
+    const auto means = [&](double cylinder, double pin_period) {
+        return means_that([](model::Observation&) {}, 0.3, rule, pin_period, cylinder);
+    };
+    const RunMeans calm = means(0.7, period);
+    EXPECT_TRUE(calm.rule().holds_sheave());
+    EXPECT_GE(calm.steady().error[6].sum(), 2.0 * 0.7);
+    EXPECT_LT(calm.steady().error[6].mean, 200.1);
+    EXPECT_FALSE(means(1.0, period).rule().holds_sheave());  // 0.4 % of 200 W are 0.8 W
+    EXPECT_FALSE(means(0.0, 1.2e-3).rule().holds_sheave());
 }
 
 TEST(SteadyMeans, WaitUntilATransientIsWithinTheTolerance) {
