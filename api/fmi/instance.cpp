@@ -24,6 +24,8 @@ using tasks::number_text;
     return static_cast<Input>(number);
 }
 
+constexpr double latest_time = 1e6;  ///< 0.1 ns, a thousandth of the shortest steps, is the resolution of time there [s]
+
 /// Thrown through advance_to() by a callback that ends a step early.
 struct Enough {};
 
@@ -160,6 +162,8 @@ void Instance::require_step(double begin, double length) const {
     if (!(length >= 0.0) || !(std::abs(begin - now_) <= 1e-9 * std::max(1.0, std::abs(now_))))
         throw Error(ErrorCode::argument, step + " after " + number_text(now_) + " s");
     if (length > 0.0 && !(begin + length > begin)) throw Error(ErrorCode::argument, step + ": shorter than the resolution of time there");
+    if (!(begin + length - start_ < latest_time))
+        throw Error(ErrorCode::argument, step + ": so late that time resolves no step of the chain");
 }
 
 void Instance::step(double begin, double length, const Intermediate& intermediate) {

@@ -162,6 +162,7 @@ class Faults(unittest.TestCase):
         for start in (1e300, float("nan"), float("inf")):
             fmu = Fmu(f"{folder}/{start}", version)
             self.assertIn(ERROR, [fmu.setup(start), fmu.enter(start), fmu.exit(), fmu.step(start, 1e-5)], start)
+        self.assertEqual(ready(f"{folder}/late", version).step(0.0, 1e300), ERROR)  # it would not end
 
 
 class Unreliable(unittest.TestCase):
