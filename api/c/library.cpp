@@ -29,10 +29,12 @@ namespace api {
 
 cvtflow_code say(cvtflow_message* message, ErrorCode code, const char* text) noexcept {
     constexpr std::size_t head = offsetof(cvtflow_message, text);
-    if (message == nullptr || message->size < head) return static_cast<cvtflow_code>(code);
+    if (message == nullptr) return static_cast<cvtflow_code>(code);
+    const std::size_t size = message->size == 0 ? sizeof *message : message->size;  // 0: a struct of zeros; it has not grown yet
+    if (size < head) return static_cast<cvtflow_code>(code);
     message->code = static_cast<std::int32_t>(code);
-    if (message->size == head) return static_cast<cvtflow_code>(code);
-    const std::size_t room = std::min<std::size_t>(message->size - head, sizeof message->text) - 1;
+    if (size == head) return static_cast<cvtflow_code>(code);
+    const std::size_t room = std::min(size - head, sizeof message->text) - 1;
     const std::size_t length = std::min(std::strlen(text), room);
     std::memcpy(message->text, text, length);
     message->text[length] = '\0';

@@ -39,6 +39,7 @@ static void check_errors(const cvtflow_scene* scene) {
     CHECK(message.code == CVTFLOW_SCENE && strstr(message.text, "/nowhere.toml") != NULL);
     CHECK(cvtflow_scene_parse("[chain]\npins = 2\n", NULL, &none, (cvtflow_message*)&brief) == CVTFLOW_SCENE);
     CHECK(strcmp(brief.text, "scene.t") == 0); /* cut off where the room ends */
+    memset(&message, 0, sizeof message);
     CHECK(cvtflow_scene_read(NULL, &none, &message) == CVTFLOW_ARGUMENT);
     CHECK(strcmp(message.text, "path is NULL") == 0);
     CHECK(cvtflow_scene_ready("no_such_scene_at_all", &none, NULL) == CVTFLOW_SCENE);

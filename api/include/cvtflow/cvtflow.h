@@ -54,7 +54,7 @@ typedef struct cvtflow_record cvtflow_record;
 
 /* What went wrong, in words: a string that ends in 0, cut off if it does not fit. */
 typedef struct cvtflow_message {
-    uint32_t size; /* of this struct */
+    uint32_t size; /* of this struct; 0: of the one in this version */
     int32_t code;
     char text[1016];
 } cvtflow_message;
