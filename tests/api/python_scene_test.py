@@ -1,6 +1,5 @@
 """Scenes from dicts and keywords, listing of keys, quantities with units, channels by name, reprs."""
 
-import cProfile
 import os
 import pickle
 import tempfile
@@ -192,19 +191,6 @@ class Channels(unittest.TestCase):
         with self.assertRaisesRegex(KeyError, "has 24 elements"):
             channels["links/tension[24]"]
         self.assertNotIn("slop", channels)
-
-    def test_attributes_take_no_more_calls_than_names(self):
-        """Calls of functions are counted, which do not depend on the load of the machine; a group was built anew for every attribute."""
-        channels = self.simulation.channels
-        channels.shaft_1.torque
-
-        def calls(read):
-            profile = cProfile.Profile()
-            profile.runcall(read)
-            return sum(entry.callcount for entry in profile.getstats())
-
-        self.assertIs(channels.shaft_1, channels.shaft_1)
-        self.assertLessEqual(calls(lambda: channels.shaft_1.torque), calls(lambda: channels["shaft_1/torque"]) + 4)
 
 
 class Faces(unittest.TestCase):

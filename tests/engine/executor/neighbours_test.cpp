@@ -47,18 +47,6 @@ TEST(AmongNeighbours, ProgressWithoutWorkersAndWithMoreThanProcessors) {
     });
 }
 
-TEST(AmongNeighbours, TwoSideBySide) {
-    test::for_each(test::pairs(), [&](const Case& each) {
-        std::vector<std::jthread> hosts;
-        for (int host = 0; host < 2; ++host) {
-            hosts.emplace_back([&] {
-                const auto executor = each.make();
-                for (int repetition = 0; repetition < 5; ++repetition) expect_right(*executor);
-            });
-        }
-    });
-}
-
 /// Executors in a process that uses oneTBB itself.
 class InsideAHost : public testing::Test {
     void SetUp() override {
@@ -90,16 +78,6 @@ TEST_F(InsideAHost, WaitingRunsNoneOfItsTasks) {
         }
         host.wait();
         EXPECT_EQ(inside, 0);
-    });
-}
-
-TEST_F(InsideAHost, ThatCancelsItsTasksButNotTheStep) {
-    test::for_each(test::pairs(), [&](const Case& each) {
-        oneapi::tbb::task_group host;
-        host.run_and_wait([&] {
-            host.cancel();
-            expect_right(*each.make());
-        });
     });
 }
 

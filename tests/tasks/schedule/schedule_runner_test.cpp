@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "tasks/method/method.hpp"
 #include "tasks/schedule/schedule.hpp"
@@ -151,18 +150,6 @@ TEST(ScheduleRunner, AllocatesNothingBetweenRests) {
     EXPECT_EQ(allocations, 0);
 }
 
-TEST(ScheduleRunner, EndsWhenAskedWhileSchedulesChange) {
-    Scene scene = settled();
-    scene.run.max_steps = 50;
-    SilentObserver quiet;
-    Simulation simulation(scene, mixed(), restless());
-    EXPECT_EQ(go(simulation, {.until = 1.0}).kind, FaultKind::max_steps);
-    EXPECT_EQ(simulation.counters().steps, 50);
-    engine::Cancellation at_once;
-    at_once.request();
-    EXPECT_EQ(simulation.advance({.until = 1.0, .new_part = true}, quiet, at_once).kind, FaultKind::cancelled);
-}
-
 TEST(ScheduleRunner, ReportsItsChoice) {
     const Scene scene = settled();
     Simulation brief(scene, std::vector<Schedule>{Schedule{}, {parallel, {Assembly::fused}, 2, 2}}, {});
@@ -176,25 +163,6 @@ TEST(ScheduleRunner, ReportsItsChoice) {
     EXPECT_THAT(longer.integrator().runner().text(),
                 AllOf(StartsWith("serial (auto: "), HasSubstr(" us per cycle, " + parallel + ", fused, 2 segments, 2 threads "),
                       HasSubstr("0 changes)")));
-}
-
-TEST(ScheduleRunner, TakesAnEarlyTurnAndKeepsTheBits) {
-    const Scene scene = settled();
-    const RunnerOutcome serial = runner_outcome(scene, {Schedule{}}, {});
-    for (const bool pays : {false, true}) {
-        ChooserOptions options;
-        options.turn = 1e-9;
-        options.max_trial_share = 0.0;                              // no check, and one question
-        options.meeting = std::numeric_limits<double>::infinity();  // whatever the machine is doing
-        options.gain = pays ? 0.0 : 1e9;
-        Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {parallel, {Assembly::fused}, 2, 2}}, options);
-        EXPECT_FALSE(go(simulation, {.until = scene.run.until}));
-        EXPECT_EQ(simulation.hash(), serial.hash);
-        EXPECT_EQ(simulation.integrator().runner().pause_count(), pays ? 3 : 2) << "to ask, after the turn, to change";
-        EXPECT_THAT(simulation.integrator().runner().text(),
-                    AllOf(StartsWith(pays ? parallel + ", fused, 2 segments, 2 threads (auto: " : "serial (auto: "),
-                          HasSubstr("one early turn"), HasSubstr(pays ? "1 change)" : "0 changes)")));
-    }
 }
 
 TEST(AutoSchedule, RespectsWhatTheSceneFixes) {
@@ -224,16 +192,6 @@ TEST(AutoSchedule, TriesBothAssembliesBothPartitionsAndMoreSegmentsThanThreads) 
     EXPECT_TRUE(has([](const Schedule& each) { return each.balanced; }));
     EXPECT_TRUE(has([](const Schedule& each) { return each.segments == 4; }));
     EXPECT_EQ(list.front(), Schedule{});
-}
-
-TEST(AutoSchedule, TriesFewerThreadsThanThereAre) {
-    Scene scene = settled();
-    scene.run.threads = 12;
-    std::vector<int> threads;
-    for (const Schedule& each : schedules_for(scene)) {
-        if (threads.empty() || threads.back() != each.threads) threads.push_back(each.threads);
-    }
-    EXPECT_EQ(threads, (std::vector{1, 12, 6, 3}));
 }
 
 }  // namespace
