@@ -18,8 +18,12 @@ namespace {
     return scene.with(by_python("_scene", "settings_of")(scene, settings, values).cast<std::vector<std::string>>());
 }
 
-[[nodiscard]] Scene create(const std::optional<py::dict>& values, const py::kwargs& more) {
-    return with_settings(Scene::parse(""), values ? py::make_tuple(*values) : py::tuple(), more);
+[[nodiscard]] Scene create(const std::optional<std::variant<py::dict, std::string, std::filesystem::path>>& given, const py::kwargs& more) {
+    if (!given) return with_settings(Scene::parse(""), py::tuple(), more);
+    if (const auto* values = std::get_if<py::dict>(&*given)) return with_settings(Scene::parse(""), py::make_tuple(*values), more);
+    const auto* name = std::get_if<std::string>(&*given);
+    return with_settings(scene_of(name != nullptr ? SceneLike(*name) : SceneLike(std::get<std::filesystem::path>(*given))), py::tuple(),
+                         more);
 }
 
 /// Whether a signal has raised an exception; checked at intervals, without holding Python's lock.
@@ -92,7 +96,7 @@ void bind_scene(py::module_& module) {
     scene
         .def(py::init(&create), py::arg("values") = py::none(), py::pos_only(),
              "A scene of its own: Scene({\"chain\": {\"pins\": 24}, \"load.torque\": \"8 N*m\"}, run__until=\"1 ms\"), as for with_(). "
-             "All other keys have their defaults.")
+             "All other keys have their defaults. A path (\"my.toml\") or the name of a ready scene reads that one.")
         .def_static(
             "read", [](const std::filesystem::path& path) { return Scene::read(path.string()); }, py::arg("path"),
             "Reads a scene file. Raises SceneError with every problem in it.")

@@ -32,8 +32,10 @@ class Scenes(unittest.TestCase):
         scene = cvtflow.Scene({"scene": {"name": "mine"}, "run.until": 2e-3}, load={"torque": "80 N*m"})
         self.assertEqual((scene.name, scene["run.until"], scene["load.torque"]), ("mine", 2e-3, 80.0))
         self.assertEqual(cvtflow.Scene(), cvtflow.Scene.parse(""))
+        self.assertEqual(cvtflow.Scene("tiny", load__torque="8 N*m"), cvtflow.Scene.ready("tiny").with_(load__torque="8 N*m"))
+        with self.assertRaisesRegex(cvtflow.SceneError, "none.toml"):
+            cvtflow.Scene("none.toml")
         self.assertEqual(cvtflow.Scene(dict(tiny())), tiny())
-        self.assertRaises(TypeError, cvtflow.Scene, "tiny")
 
     def test_equal_scenes_are_one_key_of_a_dict(self):
         kept = {tiny(): "first"}
