@@ -1,13 +1,18 @@
 #include "model/machine/heat_balance.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numeric>
 
 namespace cvtflow::model {
 
-void HeatBalance::restart(const Parameters& parameters) noexcept {
+void HeatBalance::restart(const Parameters& parameters, bool steady) noexcept {
+    constexpr double settles = 3e-3;  // time constant of one capacity in a search for steady temperatures; of both together 8 ms [s]
     heat_ = parameters.heat;
+    const double conductance = std::min(heat_.pulley_conductance, heat_.ambient_conductance);  // without one nothing is steady
+    if (steady && conductance > 0.0)
+        for (double* capacity : {&heat_.pulley_capacity, &heat_.oil_capacity}) *capacity = std::min(*capacity, settles * conductance);
     start_ = parameters.oil.temperature;
     m_ = {};
     m_.time = -1.0;

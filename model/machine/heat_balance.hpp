@@ -13,7 +13,8 @@ namespace cvtflow::model {
 class HeatBalance {
 public:
     /// Sets all temperatures to the oil's, as in a settled machine.
-    void restart(const Parameters& parameters) noexcept;
+    /// @param steady  searches the steady temperatures, which do not depend on capacities: these become small
+    void restart(const Parameters& parameters, bool steady = false) noexcept;
     /// Adds the heat of the losses since the last call. Before t = 0 temperatures are constant.
     /// time [s], lost: losses so far, by kind [J]
     void advance(double time, const std::array<double, loss_kinds>& lost) noexcept;

@@ -74,7 +74,7 @@ void RunPart::begin(double time, bool settles, double balance_error_ratio, doubl
     else if (choice_ == nullptr)
         choice_ = std::make_unique<AutoStep>(w.variator, scene_.parameters, integrator_.chosen_method());
     w.energy.restart(integrator_.method().observation_stride());
-    w.heat.restart(scene_.parameters);
+    w.heat.restart(scene_.parameters, scene_.run.until.automatic());
     w.trip.follow(scene_.vehicle, scene_.cycle);
     w.warm();
     saved_.started = false;
@@ -204,7 +204,7 @@ void RunPart::restore(IntegrationState from) {
     integrator_.method().restart();
     w.energy.load(from.energy, integrator_.method().observation_stride());
     restore_couplings(w.variator, from.couplings);
-    w.heat.restart(scene_.parameters);
+    w.heat.restart(scene_.parameters, scene_.run.until.automatic());
     if (!w.heat.load(from.heat)) throw SimulationError("the state contains malformed temperatures");
     w.warm();
     saved_ = std::move(from);

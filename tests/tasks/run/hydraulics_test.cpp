@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tasks/channel/channels.hpp"
+#include "tasks/run/run.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {
@@ -137,6 +138,18 @@ TEST(SimulationHeat, LossesWarmTheMachineAndThinTheOil) {
 }
 
 TEST(SimulationHeat, ContinuesBitForBitFromAnIntegrationState) { EXPECT_FALSE(expect_continued(warming_scene(), 2e-4, 4e-4).heat.empty()); }
+
+/// Temperatures of a run that ends when its means are steady are steady, too, however much heat the machine stores.
+TEST(SimulationHeat, IsSteadyWhereARunEndsWhenItsMeansAre) {
+    const Scene scene = scene_of("control", "rigid",
+                                 {"start.state=", "load.torque=110", "control.gains=found", "run.until=steady",
+                                  "tip.friction_law=lubricated", "heat.enabled=true", "oil.temperature=313.15"});
+    const RunReport report = run_scene(scene, {});
+    ASSERT_FALSE(report.fault) << report.fault.message();
+    const double rise = report.whole.lost / scene.parameters.heat.ambient_conductance;
+    EXPECT_NEAR(report.heat.oil(), scene.parameters.heat.ambient + rise, 0.03 * rise);
+    EXPECT_GT(report.heat.pulleys(), report.heat.oil() + 0.5 * rise);
+}
 
 /// The heat of one run must not warm the next one.
 TEST(SimulationHeat, BeginsAnewWithAReset) {
