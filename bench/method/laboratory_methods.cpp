@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <string>
 
@@ -10,8 +9,6 @@
 #include "bench/method/family/families.hpp"
 #include "bench/method/fitted_method.hpp"
 #include "bench/method/implicit/catalogue.hpp"
-#include "bench/method/implicit/linear_method.hpp"
-#include "bench/method/stability/program_stability.hpp"
 #include "engine/thread/guards.hpp"
 #include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/method.hpp"
@@ -69,25 +66,6 @@ namespace {
     return all;
 }
 
-using Analyses = std::map<std::string, MethodAnalysis, std::less<>>;
-
-[[nodiscard]] Analyses analyses() {
-    const auto of_kick = [](const Kick& kick) {
-        return MethodAnalysis{[&kick] { return leapfrog_stability(kick); },
-                              [&kick](const LinearChain& chain) { return leapfrog_step(chain, kick); }};
-    };
-    Analyses all{{"dumka3", {{}, dumka3_step}}, {"rkc", {{}, rkc_step}}, {"rock2", {{}, rock2_step}}, {"fitted", {{}, fitted_step}}};
-    all["leapfrog-rkc"] = of_kick(rkc_kick);
-    all["leapfrog-chebyshev"] = of_kick(chebyshev_kick);
-    all["leapfrog-sweep"] = {backward_euler_leapfrog_stability, held_leapfrog_step};
-    all["leapfrog-rigid"] = {rigid_leapfrog_stability, backward_euler_leapfrog_step};
-    for (const NewtonVariant& variant : newton_variants()) all[variant.name] = {trapezoidal_stability, trapezoidal_step};
-    for (const LinearPlan& plan : linear_plans())
-        all[plan.name] = {[&plan] { return linear_stability(plan); },
-                          [&plan](const LinearChain& chain) { return implicit_step(chain, plan); }};
-    return all;
-}
-
 /// Elastic oscillations are damped by this share of the critical damping at least.
 constexpr double min_damping = 1e-3;
 /// Permitted numerical damping of an oscillation in a step, over h ω: a hundredth of the effect of a damping ratio of 0.01.
@@ -130,28 +108,10 @@ void add_laboratory_methods() {
     (void)once;
 }
 
-const MethodAnalysis& analysis_of(const MethodProgram& program) {
-    static const Analyses all = analyses();
-    return all.at(program.name);
-}
-
 StageReach derived_reach(const StagePlan& plan) {
     StageReach reach{along_ray(plan, min_damping), real_stability(plan), 0.0, along_ray(plan, 1e-2)};
     reach.accurate = accurate_oscillation(plan, reach.oscillation);
     return reach;
-}
-
-MethodReach derived_reach(const MethodProgram& program) {
-    const auto& stability_of = analysis_of(program).stability;
-    if (stability_of == nullptr) return {};
-    const ProgramStability stability = stability_of();
-    if (stability.equation == TestEquation::oscillator) {
-        const double oscillation = limit_with_any_friction(stability).oscillation;
-        // Where stability needs friction, the lower bound of friction allows no step, but friction acts then.
-        return {oscillation, stability.longest_decay, MethodReach::unlimited, std::max(oscillation, reach(stability, 0.0, 0.0, 1.0, 0.0)),
-                stability.longest_damping};
-    }
-    return {reach(stability, 0.0, 0.0, -min_damping, std::sqrt(1.0 - min_damping * min_damping)), reach(stability, 0.0, 0.0, -1.0, 0.0)};
 }
 
 }  // namespace cvtflow::bench

@@ -52,7 +52,7 @@ struct MethodProgram {
     /// @throws std::invalid_argument if the method cannot be used with the workspace's scene
     std::function<std::unique_ptr<StepMethod>(Workspace& workspace)> make = {};
     std::string solves = "none";               ///< systems solved in a step
-    MethodReach reach = {};                    ///< derived by bench/method/stability; a test compares
+    MethodReach reach = {};                    ///< on its own test equation (decision 64)
     double longest_step = usual_longest_step;  ///< longest automatic step with pin halves [s]
     double wave_filter = 0.0;                  ///< β > 0: waves along rigid pins are filtered, and stable up to h ω = 1/√β [1]
     bool holds_links = false;                  ///< links are held (model::HeldLinks), so that steps can be longer

@@ -105,7 +105,7 @@ OF_THE_LABORATORY = (
     ("dot tiny --cycle x", 2, "--cycle x: a step of rk4 has evaluate, detect, locate, truncate"),
     ("dot tiny --method leapfrog-rkc --cycle x", 2,
      "--cycle x: a step of leapfrog-rkc has evaluate, detect, locate, truncate, record, friction, finish"),
-    ("stability dumka3", 2, "dumka3 chooses among tables of stages: name one of them (cvtflow list methods --all)"),
+    ("stability dumka3", 2, "dumka3 is no table of stages: cvtflow check states its limit on a scene"),
     ("stability rk5", 2, RK5),
     ("local-error tiny --settle --methods rk4,heum", 2, "no method 'heum' (did you mean 'heun'?)"),
     ("compare tiny rk4", 2, "rk4: write METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE for steps by error"),

@@ -129,25 +129,44 @@ constexpr double nothing_lost = 0.7;  ///< share of a direction's length left by
 
 constexpr double nothing_new = 1e-14;  ///< share of the matrix below which a new direction is rounding
 
-}  // namespace
+using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-KrylovSpace::KrylovSpace(int size, int most, const std::vector<double>& start)
+/// A Krylov space with its Hessenberg matrix. Grows by one dimension at a time, orthogonalised twice; the same bits every time.
+class KrylovSpace {
+public:
+    explicit KrylovSpace(int size);
+
+    /// One more dimension; false: the product is not finite.
+    [[nodiscard]] bool grow(const Sparse& matrix);
+    [[nodiscard]] int dimension() const noexcept { return dimension_; }
+    /// Invariant, or as large as the matrix: growing is over.
+    [[nodiscard]] bool full() const noexcept { return invariant_ || dimension_ == size_; }
+
+    /// Ritz values of imaginary part 0 or more [dimension, conjugates left out], in no order; exact in an invariant space.
+    [[nodiscard]] std::vector<std::complex<double>> values() const;
+    /// |matrix vector - value vector| of their Ritz vectors, without these: the last components, by Hyman's recurrence.
+    [[nodiscard]] std::vector<double> residuals(const std::vector<std::complex<double>>& values) const;
+
+private:
+    const int size_;
+    std::vector<double> basis_;       ///< orthonormal, column by column [size][size + 1]
+    std::vector<double> hessenberg_;  ///< column by column [size + 1][size]
+    int dimension_ = 0;
+    bool invariant_ = false;
+};
+
+KrylovSpace::KrylovSpace(int size)
     : size_(size),
-      most_(std::min(size, most)),
-      basis_(static_cast<std::size_t>(size) * static_cast<std::size_t>(most_ + 1)),
-      hessenberg_(static_cast<std::size_t>(most_ + 1) * static_cast<std::size_t>(most_)) {
-    Eigen::Map<Eigen::VectorXd> first(basis_.data(), size);
-    first = share_of_all(size);
-    if (static_cast<int>(start.size()) != size) return;
-    const Eigen::Map<const Eigen::VectorXd> given(start.data(), size);
-    if (given.norm() > 0.0) first = given.normalized();
+      basis_(static_cast<std::size_t>(size) * static_cast<std::size_t>(size_ + 1)),
+      hessenberg_(static_cast<std::size_t>(size_ + 1) * static_cast<std::size_t>(size_)) {
+    Eigen::Map<Eigen::VectorXd>(basis_.data(), size) = share_of_all(size);
 }
 
-bool KrylovSpace::grow(const LinearMap& map) {
-    Eigen::Map<Eigen::MatrixXd> basis(basis_.data(), size_, most_ + 1);
-    Eigen::Map<Eigen::MatrixXd> hessenberg(hessenberg_.data(), most_ + 1, most_);
-    Eigen::VectorXd next(size_);
-    if (!map(basis.col(dimension_).data(), next.data()) || !next.allFinite()) return false;
+bool KrylovSpace::grow(const Sparse& matrix) {
+    Eigen::Map<Eigen::MatrixXd> basis(basis_.data(), size_, size_ + 1);
+    Eigen::Map<Eigen::MatrixXd> hessenberg(hessenberg_.data(), size_ + 1, size_);
+    Eigen::VectorXd next = matrix * basis.col(dimension_);
+    if (!next.allFinite()) return false;
     const double length = next.norm();
     for (int pass = 0; pass < 2 && (pass == 0 || next.norm() < nothing_lost * length); ++pass) {  // twice is enough
         const Eigen::VectorXd shares = basis.leftCols(dimension_ + 1).transpose() * next;
@@ -163,34 +182,18 @@ bool KrylovSpace::grow(const LinearMap& map) {
 }
 
 std::vector<std::complex<double>> KrylovSpace::values() const {
-    const Eigen::Map<const Eigen::MatrixXd> hessenberg(hessenberg_.data(), most_ + 1, most_);
+    const Eigen::Map<const Eigen::MatrixXd> hessenberg(hessenberg_.data(), size_ + 1, size_);
     return eigenvalues_of(hessenberg.topLeftCorner(dimension_, dimension_));
 }
 
 std::vector<double> KrylovSpace::residuals(const std::vector<std::complex<double>>& values) const {
-    const Eigen::Map<const Matrix> hessenberg(hessenberg_.data(), most_ + 1, most_);
+    const Eigen::Map<const Matrix> hessenberg(hessenberg_.data(), size_ + 1, size_);
     const RowMajor rows = hessenberg.topLeftCorner(dimension_, dimension_);
     std::vector<double> all;
     for (const std::complex<double>& value : values)
         all.push_back(full() ? 0.0 : hessenberg(dimension_, dimension_ - 1) * last_component(rows, value));
     return all;
 }
-
-RitzVector KrylovSpace::vector_of(std::complex<double> value) const {
-    const Eigen::Map<const Eigen::MatrixXd> basis(basis_.data(), size_, most_ + 1);
-    const Eigen::Map<const Eigen::MatrixXd> hessenberg(hessenberg_.data(), most_ + 1, most_);
-    Eigen::MatrixXcd shifted = hessenberg.topLeftCorner(dimension_, dimension_).cast<std::complex<double>>();
-    shifted.diagonal().array() -= value * (1.0 + 1e-10);
-    const Eigen::PartialPivLU<Eigen::MatrixXcd> solver(shifted);
-    Eigen::VectorXcd x = Eigen::VectorXcd::Ones(dimension_);
-    for (int step = 0; step < 2; ++step) x = solver.solve(x.normalized()).eval();
-    x.normalize();
-    const Eigen::VectorXcd vector = basis.leftCols(dimension_) * x;
-    return {{vector.data(), vector.data() + vector.size()},
-            invariant_ ? 0.0 : hessenberg(dimension_, dimension_ - 1) * std::abs(x[dimension_ - 1])};
-}
-
-namespace {
 
 /// Eigenvalues left of the border, and the pair that oscillates fastest; of those with an imaginary part of 0 or more.
 [[nodiscard]] Eigenvalues selected(Eigenvalues values, double left_of) {
@@ -204,15 +207,11 @@ namespace {
 
 ExtremalEigenvalues extremal_eigenvalues(std::vector<double> matrix, int size, const ExtremalOptions& options) {
     balance(matrix, size);
-    const Eigen::SparseMatrix<double, Eigen::RowMajor> sparse = Eigen::Map<const Matrix>(matrix.data(), size, size).sparseView();
-    const LinearMap map = [&](const double* from, double* to) {
-        Eigen::Map<Vector>(to, size) = sparse * Eigen::Map<const Vector>(from, size);
-        return true;
-    };
-    KrylovSpace space(size, size);
+    const Sparse sparse = Eigen::Map<const Matrix>(matrix.data(), size, size).sparseView();
+    KrylovSpace space(size);
     ExtremalEigenvalues result;
     for (double requested = options.first_dimension;; requested *= 1.3) {
-        while (space.dimension() < requested && !space.full() && space.grow(map)) {}
+        while (space.dimension() < requested && !space.full() && space.grow(sparse)) {}
         const Eigenvalues halves = selected(space.values(), options.left_of);
         const std::vector<double> residuals = space.residuals(halves);
         result = {{}, 0.0, space.dimension()};

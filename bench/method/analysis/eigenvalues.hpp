@@ -27,45 +27,6 @@ void balance(std::vector<double>& matrix, int size);
 /// Sorts by real part, most negative first, then by imaginary part.
 void sort_by_decay(Eigenvalues& values);
 
-// Arnoldi's method: eigenvalues of a linear map that can only be applied, outermost ones first to be right.
-
-/// Computes to = map(from), both [size]; false: it cannot be applied.
-using LinearMap = std::function<bool(const double* from, double* to)>;
-
-/// An approximate eigenvector of unit length.
-struct RitzVector {
-    std::vector<std::complex<double>> vector;  ///< [size]
-    double residual = 0.0;                     ///< |map(vector) - value vector|: 0 in an invariant space [1]
-};
-
-/// A Krylov space with its Hessenberg matrix. Grows by one dimension at a time, orthogonalised twice; the same bits every time.
-class KrylovSpace {
-public:
-    /// @param most largest number of dimensions; at most `size`   @param start first direction [size]; of another length, or zero: one that
-    /// has a share of every eigenvector
-    KrylovSpace(int size, int most, const std::vector<double>& start = {});
-
-    /// One more dimension; false: the map could not be applied, or its result is not finite.
-    [[nodiscard]] bool grow(const LinearMap& map);
-    [[nodiscard]] int dimension() const noexcept { return dimension_; }
-    /// Invariant, or as large as it may become: growing is over.
-    [[nodiscard]] bool full() const noexcept { return invariant_ || dimension_ == most_; }
-
-    /// Ritz values of imaginary part 0 or more [dimension, conjugates left out], in no order; exact in an invariant space.
-    [[nodiscard]] std::vector<std::complex<double>> values() const;
-    /// |map(vector) - value vector| of their Ritz vectors, without these: the last components, by Hyman's recurrence.
-    [[nodiscard]] std::vector<double> residuals(const std::vector<std::complex<double>>& values) const;
-    /// The Ritz vector of one of them, by two steps of inverse iteration [size].
-    [[nodiscard]] RitzVector vector_of(std::complex<double> value) const;
-
-private:
-    const int size_, most_;
-    std::vector<double> basis_;       ///< orthonormal, column by column [size][most + 1]
-    std::vector<double> hessenberg_;  ///< column by column [most + 1][most]
-    int dimension_ = 0;
-    bool invariant_ = false;
-};
-
 /// Settings of extremal_eigenvalues().
 struct ExtremalOptions {
     double left_of = -1e6;      ///< upper bound of the real parts; the pair that oscillates fastest is included besides [1/s]

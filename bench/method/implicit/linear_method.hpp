@@ -9,7 +9,6 @@
 #include "bench/method/implicit/implicit_method.hpp"
 #include "bench/method/implicit/linear_plan.hpp"
 #include "bench/method/product_names.hpp"
-#include "bench/method/stability/program_stability.hpp"
 
 namespace cvtflow::bench {
 
@@ -45,9 +44,5 @@ private:
     std::vector<double> right_q_;    ///< r_q, link by link, then pulleys [coordinates]
     std::vector<double> reactions_;  ///< [links][border]: K r_q of the pulleys' rows
 };
-
-[[nodiscard]] ProgramStability linear_stability(const LinearPlan& plan);
-/// Stability of the trapezoidal rule: all variants converge to the same step.
-[[nodiscard]] ProgramStability trapezoidal_stability();
 
 }  // namespace cvtflow::bench

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <set>
 
-#include "bench/method/stability/step_limit.hpp"
 #include "model/observe/observation.hpp"
+#include "tasks/method/auto_step.hpp"
 
 namespace cvtflow::bench {
 
@@ -164,7 +164,9 @@ private:
 [[nodiscard]] double stable_step(const Simulation& simulation, const std::string& method) {
     const Workspace& w = simulation.workspace();
     const auto limit = [&](const Method& of) {
-        return estimated_step_limit(w.variator, of, simulation.time(), w.state(), w.tips.phases.data()).step;
+        AutoStep step(w.variator, w.parameters, of);
+        (void)step.longest(simulation.time(), w.state(), w.tips.phases.data());
+        return step.stable_step();
     };
     return std::min(limit(method), limit("rk4"));
 }

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "bench/method/stability/program_stability.hpp"
+#include "bench/method/laboratory_methods.hpp"
 #include "tasks/method/friction/kick_tables.hpp"
 
 namespace cvtflow::tasks {

@@ -1,12 +1,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/report/method/stability_report.hpp"
 #include "bench/lab/text/text.hpp"
-#include "bench/method/laboratory_methods.hpp"
 #include "engine/base/text.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/method.hpp"
@@ -28,13 +27,14 @@ struct MethodArguments {
     bool table = false;
 };
 
+std::string reach_text(double reach) { return std::isinf(reach) ? "without limit" : fmt::format("to {:.4g}", reach); }
+
 std::string program_text(const tasks::MethodProgram& program) {
-    const std::string text =
-        field("source", program.source) + field("order", fmt::format("{}", program.order)) +
-        field("evaluations", program.evaluations > 0 ? fmt::format("{} per step", program.evaluations) : "depends on the step") +
-        field("systems solved", program.solves);
-    if (analysis_of(program).stability == nullptr) return text + field("stability", "that of the chosen table of stages");
-    return text + program_figures(program_result(program));
+    return field("source", program.source) + field("order", fmt::format("{}", program.order)) +
+           field("evaluations", program.evaluations > 0 ? fmt::format("{} per step", program.evaluations) : "depends on the step") +
+           field("systems solved", program.solves) +
+           field("oscillations", fmt::format("stable {} in h omega", reach_text(program.reach.oscillation))) +
+           field("decays", fmt::format("stable {} in h|lambda|", reach_text(program.reach.decay)));
 }
 
 ExitStatus describe_method(const MethodArguments& arguments) {

@@ -8,7 +8,6 @@
 #include "bench/lab/report/method/spectrum_report.hpp"
 #include "bench/lab/settled_start.hpp"
 #include "bench/method/analysis/eigenvalues.hpp"
-#include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"
 #include "engine/method/catalogue.hpp"
 #include "model/observe/observation.hpp"
@@ -75,13 +74,13 @@ std::optional<PlanLimit> limit_of(const SpectrumResult& result, const model::Var
     return limit;
 }
 
-/// Absent for tables of stages. Predicted by the linearised step, because transitions in steps of the full equations can hide or cause
-/// growth (errors up to a factor of five).
-std::optional<bench::StepLimit> program_limit_of(const tasks::Scene& scene, const model::Variator& variator,
-                                                 const tasks::FrozenStart& start, const ProgressReporter& report) {
+/// The limit that `check` states. Absent for tables of stages.
+std::optional<tasks::LargestStep> program_limit_of(const tasks::Scene& scene, const model::Variator& variator,
+                                                   const tasks::FrozenStart& start) {
     if (tasks::find_program(tasks::method_of(scene)) == nullptr) return {};
-    report(fmt::format("largest stable step of {}", tasks::method_of(scene)));
-    return bench::predicted_step_limit(variator, scene.parameters, tasks::method_of(scene), start);
+    tasks::AutoStep step(variator, scene.parameters, tasks::method_of(scene));
+    (void)step.longest(start.time, start.state.data(), start.phases.data());
+    return step.largest();
 }
 
 ExitStatus run_spectrum(const SpectrumArguments& arguments) {
@@ -103,7 +102,7 @@ ExitStatus run_spectrum(const SpectrumArguments& arguments) {
     result.step = scene.run.step.value_or(tasks::longest_automatic_step(result.method, scene.parameters));
     find_values(result, variator, start, arguments.extremal, report);
     result.limit = limit_of(result, variator, start, report);
-    result.program_limit = program_limit_of(scene, variator, start, report);
+    result.program_limit = program_limit_of(scene, variator, start);
     if (arguments.attribute) result.attribution = attribute(scene.parameters, start, result.border, report);
     OutputFolder folder(arguments.output);
     folder.write("spectrum.csv", spectrum_csv(result));
@@ -127,9 +126,8 @@ constexpr const char* spectrum_explanation =
     "the\n"
     "full equations confirm it: velocities are disturbed by 1e-9 m/s, and the disturbance must not grow. For methods that are programs it "
     "is\n"
-    "that of the linearised step (cvtflow-lab stability measures it). --attribute: eigenvalues are proportional to 1/v0 of the contact "
-    "that\n"
-    "causes them, so a small change of v0 identifies it.";
+    "the one that cvtflow check states. --attribute: eigenvalues are proportional to 1/v0 of the contact that causes them, so a small\n"
+    "change of v0 identifies it.";
 
 }  // namespace
 

@@ -9,8 +9,6 @@
 #include "bench/lab/settled_start.hpp"
 #include "bench/method/analysis/eigenvalues.hpp"
 #include "bench/method/analysis/stability.hpp"
-#include "bench/method/laboratory_methods.hpp"
-#include "bench/method/stability/predicted_step.hpp"
 #include "bench/study/spectrum.hpp"
 #include "tasks/method/method.hpp"
 #include "tools/program/arguments.hpp"
@@ -32,44 +30,30 @@ struct StabilityArguments {
     double step = 0.0;
 };
 
-/// Methods of both kinds.
-struct Chosen {
+std::vector<engine::StagePlan> chosen(const StabilityArguments& arguments) {
     std::vector<engine::StagePlan> plans;
-    std::vector<tasks::MethodProgram> programs;
-};
-
-Chosen chosen(const StabilityArguments& arguments) {
-    Chosen all;
     for (const std::string& name : arguments.methods) {
         const std::optional<tasks::Method> method = tasks::Method::find(name);
         if (!method) throw UsageError(tasks::no_method(name));
-        const tasks::MethodProgram* program = method->program();
-        if (program == nullptr) {
-            all.plans.push_back(method->plan());
-        } else if (analysis_of(*program).stability == nullptr) {
-            throw UsageError(fmt::format("{} chooses among tables of stages: name one of them (cvtflow list methods --all)", name));
-        } else {
-            all.programs.push_back(*program);
-        }
+        if (method->program() != nullptr) throw UsageError(name + " is no table of stages: cvtflow check states its limit on a scene");
+        plans.push_back(method->plan());
     }
-    return all;
+    return plans;
 }
 
-/// A scene's eigenvalues, and where its methods are tried.
+/// A scene's eigenvalues, and where methods are tried.
 struct Ground {
     std::string scene;
-    tasks::Scene whole;
     tasks::FrozenStart start;
     std::optional<model::Variator> variator;
-    bench::Eigenvalues values;  ///< only for tables
+    bench::Eigenvalues values;
 };
 
-Ground ground_of(const StabilityArguments& arguments, bool with_eigenvalues) {
+Ground ground_of(const StabilityArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
-    Ground ground{loaded.scene.name, loaded.scene, settled_start(loaded.scene, arguments.scene.settle, "its eigenvalues"), {}, {}};
+    Ground ground{loaded.scene.name, settled_start(loaded.scene, arguments.scene.settle, "its eigenvalues"), {}, {}};
     ground.variator.emplace(loaded.scene.parameters);
-    if (!with_eigenvalues) return ground;
     const int size = static_cast<int>(ground.start.state.size());
     if (!arguments.quiet) print_error(fmt::format("eigenvalues of {}", ground.scene));
     std::vector<double> matrix = jacobian(*ground.variator, ground.start.time, ground.start.state, ground.start.phases);
@@ -88,13 +72,6 @@ void try_on(StabilityResult& result, const Ground& ground) {
     result.limit = limit;
 }
 
-void try_on(ProgramResult& result, const Ground& ground) {
-    const std::string& name = result.program.name;
-    ProgramLimit limit{name, bench::predicted_step_limit(*ground.variator, ground.whole.parameters, name, ground.start), {}};
-    limit.measured = measured_step_limit(ground.whole, name, ground.start, limit.predicted.step);
-    result.limit = limit;
-}
-
 std::vector<StabilityResult> analyse(const std::vector<engine::StagePlan>& plans, const StabilityArguments& arguments,
                                      const std::optional<Ground>& ground, OutputFolder& folder) {
     std::vector<StabilityResult> results;
@@ -108,34 +85,17 @@ std::vector<StabilityResult> analyse(const std::vector<engine::StagePlan>& plans
             folder.write(picture, svg(stability_map(results.back(), ground ? ground->values : bench::Eigenvalues{}, step,
                                                     ground ? ground->scene : "")));
     }
-    if (!results.empty()) folder.write("stability.csv", stability_csv(results));
-    return results;
-}
-
-std::vector<ProgramResult> analyse(const std::vector<tasks::MethodProgram>& programs, const StabilityArguments& arguments,
-                                   const std::optional<Ground>& ground, OutputFolder& folder) {
-    std::vector<ProgramResult> results;
-    for (const tasks::MethodProgram& program : programs) {
-        if (!arguments.quiet) print_error(program.name);
-        results.push_back(program_result(program));
-        results.back().step = arguments.step;
-        if (ground) try_on(results.back(), *ground);
-        const std::string picture = fmt::format("stability-{}.svg", program.name);
-        if (folder.wants(picture)) folder.write(picture, svg(program_map(results.back())));
-    }
-    if (!results.empty()) folder.write("stability-programs.csv", program_csv(results));
+    folder.write("stability.csv", stability_csv(results));
     return results;
 }
 
 ExitStatus stability(const StabilityArguments& arguments) {
-    const Chosen methods = chosen(arguments);
+    const std::vector<engine::StagePlan> plans = chosen(arguments);
     OutputFolder folder(arguments.output);
     std::optional<Ground> ground;
-    if (!arguments.scene.scene.empty()) ground = ground_of(arguments, !methods.plans.empty());
-    const std::vector<StabilityResult> tables = analyse(methods.plans, arguments, ground, folder);
-    const std::vector<ProgramResult> programs = analyse(methods.programs, arguments, ground, folder);
-    if (!tables.empty()) fmt::print("{}{}", stability_table(tables), programs.empty() ? "" : "\n");
-    fmt::print("{}{}{}", program_table(programs), limit_lines(programs), folder.written());
+    if (!arguments.scene.scene.empty()) ground = ground_of(arguments);
+    const std::string table = stability_table(analyse(plans, arguments, ground, folder));
+    fmt::print("{}{}", table, folder.written());
     return ExitStatus::finished;
 }
 
@@ -144,19 +104,13 @@ constexpr const char* stability_explanation =
     "stage value and largest amplification of a stage's error over the scene's decays at the largest stable step; and that step, "
     "predicted\n"
     "from the eigenvalues and confirmed by steps about the state (cvtflow-lab spectrum --help). Maps show eigenvalues times the largest\n"
-    "stable step, or times --step; --all includes the inner ones (one or two minutes at full detail).\n"
-    "Methods that are programs have test equations of their own. With friction split off: q' = v, v' = -omega^2 q - c v, over h omega and\n"
-    "h c; 'with friction': h omega that is stable for every c, and the h c that limits it. Implicit for the whole state: u' = lambda u "
-    "with\n"
-    "the exact Jacobian; growth, gain: as above, over all decays; left: factor on the stiffest component per step. 'any': beyond 1e6.\n"
-    "With --scene also their largest stable step, predicted from the linearised equations and measured with steps of a run; the point on\n"
-    "the map is the oscillation that limits it (frequency and friction of the mode).";
+    "stable step, or times --step; --all includes the inner ones (one or two minutes at full detail).";
 
 }  // namespace
 
 Action declare_stability(CLI::App& app) {
     const auto arguments = std::make_shared<StabilityArguments>();
-    app.add_option("METHOD", arguments->methods, "Methods (cvtflow list methods)")->required()->type_name("");
+    app.add_option("METHOD", arguments->methods, "Tables of stages (cvtflow list methods --all)")->required()->type_name("");
     app.add_option("--scene", arguments->scene.scene, "Scene whose eigenvalues are used")->type_name("SCENE");
     declare_changes(app, arguments->scene);
     declare_fresh_start(app, arguments->scene);

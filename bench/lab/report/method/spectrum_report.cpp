@@ -107,7 +107,7 @@ std::string spectrum_text(const SpectrumResult& result) {
     text += field("step x |largest|",
                   fmt::format("{:.3f} with {} of {}", result.step * largest_modulus(result.values), time_text(result.step), result.method));
     text += field("largest stable step", result.limit           ? limit_text(*result.limit)
-                                         : result.program_limit ? bench::text_of(*result.program_limit) + " predicted"
+                                         : result.program_limit ? tasks::text_of(*result.program_limit)
                                                                 : "not determined");
     constexpr double margin = 1.2;  // of a step's fit, as run.method = "fitted" takes
     const double real = margin * extent.decay * result.step, imaginary = margin * extent.oscillation * result.step;
@@ -159,8 +159,8 @@ ordered_json limit_json(const PlanLimit& limit) {
             {"measured_unstable", limit.measured.unstable}};
 }
 
-ordered_json limit_json(const std::string& method, const bench::StepLimit& limit) {  // infinite steps are null
-    return {{"method", method}, {"predicted", limit.step}, {"oscillation", limit.oscillation}, {"friction", limit.friction}};
+ordered_json limit_json(const std::string& method, const tasks::LargestStep& limit) {  // infinite steps are null
+    return {{"method", method}, {"stated", limit.step}, {"rate", limit.rate}};
 }
 
 std::string spectrum_json(const SpectrumResult& result) {

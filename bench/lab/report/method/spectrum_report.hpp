@@ -6,9 +6,9 @@
 #include <string>
 
 #include "bench/lab/plot/plot.hpp"
-#include "bench/method/stability/step_limit.hpp"
 #include "bench/study/spectrum.hpp"
 #include "bench/study/stability/stable_step.hpp"
+#include "tasks/method/auto_step.hpp"
 
 namespace cvtflow::bench {
 
@@ -25,14 +25,14 @@ struct SpectrumResult {
     long touching = 0;                ///< tips
     double tight = 0.0, slack = 0.0;  ///< mean tension of the strands [N]
     int unknowns = 0;
-    bench::Eigenvalues values;                      ///< all, or those at the edge
-    bool complete = true;                           ///< whether these are all
-    int dimension = 0;                              ///< dimension of the Krylov space, if not complete
-    double residual = 0.0;                          ///< largest relative residual, if not complete
-    std::string method;                             ///< method of the scene
-    double step = 0.0;                              ///< step of the scene [s]
-    std::optional<PlanLimit> limit;                 ///< absent: the method is no table of stages
-    std::optional<bench::StepLimit> program_limit;  ///< predicted limit; absent: the method is a table of stages
+    bench::Eigenvalues values;                        ///< all, or those at the edge
+    bool complete = true;                             ///< whether these are all
+    int dimension = 0;                                ///< dimension of the Krylov space, if not complete
+    double residual = 0.0;                            ///< largest relative residual, if not complete
+    std::string method;                               ///< method of the scene
+    double step = 0.0;                                ///< step of the scene [s]
+    std::optional<PlanLimit> limit;                   ///< absent: the method is no table of stages
+    std::optional<tasks::LargestStep> program_limit;  ///< stated limit; absent: the method is a table of stages
     std::optional<Attribution> attribution;
     double border = -1e6;  ///< border of the attribution [1/s]
 };

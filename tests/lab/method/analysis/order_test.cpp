@@ -9,8 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "bench/method/product_names.hpp"
-#include "bench/method/stability/program_stability.hpp"
+#include "bench/method/laboratory_methods.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/method/compiled_plan.hpp"
 #include "tests/engine/method/plan_fixture.hpp"

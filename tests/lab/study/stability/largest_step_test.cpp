@@ -1,27 +1,23 @@
-/// Predicted and measured largest stable steps, of eigenvalues and of a frozen state. As a command: cvtflow-lab stability leapfrog-rkc …
-/// --scene baseline
+/// Largest stable steps: those that are stated, by runs; those of tables by eigenvalues and about a frozen state, as cvtflow-lab stability
+/// rk4 --scene baseline prints them.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bench/method/analysis/eigenvalues.hpp"
 #include "bench/method/analysis/order.hpp"
 #include "bench/method/analysis/stability.hpp"
-#include "bench/method/implicit/catalogue.hpp"
-#include "bench/method/laboratory_methods.hpp"
-#include "bench/method/stability/predicted_step.hpp"
+#include "bench/study/run_watch.hpp"
 #include "bench/study/spectrum.hpp"
 #include "bench/study/stability/frozen_step.hpp"
 #include "bench/study/stability/stable_step.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tasks/method/method.hpp"
+#include "tasks/method/auto_step.hpp"
 #include "tasks/run/run.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/lab/study/brief_fixture.hpp"
@@ -35,137 +31,53 @@ namespace {
 
 using Values = std::vector<std::complex<double>>;
 
-/// A scene and its state, linearised.
-struct Place {
-    Scene scene;
-    FrozenStart start;
-    model::Variator variator;
-    LinearChain chain;
-
-    explicit Place(const Scene& of)
-        : scene(of), start(frozen_start(Simulation(of))), variator(of.parameters), chain(variator, of.parameters, start) {}
-};
-
-[[nodiscard]] Scene ready(const std::string& name, const std::vector<std::string>& settings = {}) {
-    Scene scene = read_scene(CVTFLOW_SOURCE_DIR "/scenes/" + name + ".toml");
-    set_values(scene, std::vector<std::string>{"run.schedule=serial"});
-    set_values(scene, settings);
-    return scene;
-}
-
-/// Scene `tiny`, settled for its 10 ms, once per process.
-[[nodiscard]] Scene steady_tiny() {
-    static const Scene steady = [] {
-        Scene scene = ready("tiny");
-        static const cvtflow::tests::TemporaryFile state("largest_step");
-        settle_scene(scene, state.path(), {});
-        set_values(scene, std::vector<std::string>{"start.state=" + state.path()});
+/// Scene `tiny`, or tiny with rigid pins, settled for its 10 ms, once per process.
+[[nodiscard]] Scene steady_tiny(bool rigid) {
+    const auto settled = [](const std::string& level, const char* method, const std::string& file) {
+        Scene scene = scene_of("tiny", level, {"run.schedule=serial", std::string("run.method=") + method});
+        settle_scene(scene, file, {});
+        set_values(scene, std::vector<std::string>{"start.state=" + file});
         return scene;
-    }();
-    return steady;
+    };
+    static const cvtflow::tests::TemporaryFile states[] = {cvtflow::tests::TemporaryFile("halves"), cvtflow::tests::TemporaryFile("rigid")};
+    static const Scene scenes[] = {settled("", "rk4", states[0].path()), settled("rigid", "leapfrog-rigid", states[1].path())};
+    return scenes[rigid ? 1 : 0];
 }
 
-/// Where prediction misses by more, measured over predicted: rock2 on tiny 0.58 (it chooses among tables by the step, so that stable and
-/// unstable steps alternate).
-const std::set<std::pair<std::string, std::string>> known_misses{{"tiny", "rock2"}};
-
-/// Requires agreement within five hundredths.
-void expect_agreement(const Place& place, const std::string& method) {
-    const StepLimit predicted = predicted_step_limit(place.chain, method);
-    const MeasuredLimit measured = measured_step_limit(place.scene, method, place.start, predicted.step);
-    testing::Test::RecordProperty(place.scene.name + " " + method,
-                                  text_of(predicted) + ", measured " + std::to_string(1e6 * measured.step) + " us");
-    if (std::isinf(predicted.step)) {
-        EXPECT_TRUE(std::isinf(measured.step)) << method << ": " << measured.step;
-    } else if (known_misses.contains({place.scene.name, method})) {  // remove corrected ones from the list
-        EXPECT_GT(std::abs(measured.step / predicted.step - 1.0), 0.05) << place.scene.name << " " << method << ": " << text_of(predicted);
-    } else {
-        EXPECT_NEAR(measured.step / predicted.step, 1.0, 0.05) << place.scene.name << " " << method << ": " << text_of(predicted);
-    }
+/// Whether two thousand steps of that length end early, or with an energy balance that does not close.
+[[nodiscard]] bool goes_wrong(Scene scene, double step) {
+    scene.run.step = step;
+    scene.run.output_interval = 50.0 * step;
+    Simulation simulation(scene);
+    SilentObserver silent;
+    const Fault fault = simulation.advance({.until = simulation.time() + 2000.0 * step}, silent, engine::Cancellation());
+    return fault || !(simulation.balance_error_ratio() <= 1.0);
 }
 
-/// The state is a settled one: while contacts change what they do within a step, disturbances grow by that. After 1 ms dumka3 and
-/// leapfrog-rkc measured 0.79 and 0.89 of the prediction, by real multipliers of 1.5 to 4.4 that are others in each step; dumka3, of longer
-/// steps, 0.72 after 2 ms too. After 10 ms both agree within 0.2 %.
-TEST(LargestStep, IsMeasuredAsPredictedOnTheSmallestScene) {
-    const Place tiny(steady_tiny());
-    for (const char* method : {"rk4", "euler", "dumka3-p3", "rkc-s10", "dumka3", "leapfrog-rkc", "leapfrog-chebyshev", "leapfrog-sweep"})
-        expect_agreement(tiny, method);
-}
-
-TEST(LargestStep, IsMeasuredAsPredictedOnTheBaseline) {
-    const Place baseline(ready("baseline"));
-    expect_agreement(baseline, "leapfrog-chebyshev");
-    expect_agreement(baseline, "rk4");
-}
-
-/// Runs of `control` over 20 ms close their balance to 0.03 % with 1.95 us, to 0.11 to 0.16 % with 2 to 2.1 us; with 2.15 us they miss it
-/// by 0.8 % and are unreliable, with 2.2 us by 3.9 %, with 2.4 us by a factor of seven.
-TEST(LargestStep, OfALeapfrogIsBetweenThoseWithWhichRunsAreRightAndWrong) {
-    const Place control(ready("control"));
-    const StepLimit limit = predicted_step_limit(control.chain, "leapfrog-chebyshev");
-    EXPECT_LT(limit.step, 2.15e-6);
-    EXPECT_GT(limit.step, 1.95e-6);
-    EXPECT_EQ(limit.by, StepLimiter::oscillation);
-    EXPECT_GT(limit.step * limit.oscillation, 1.0);
-    EXPECT_LT(limit.step * limit.oscillation, 2.0);
-}
-
-/// v' = -c/m v, taken at velocities extrapolated over half a step: stable for h c/m < 1.
-TEST(LargestStep, KnowsDampingThatALeapfrogTakesExplicitly) {
-    const Place damped(ready("control", {"pulley.cylinder_damping=6e6 N*s/m", "pulley.sheave_mass=0.5 kg"}));
-    const StepLimit limit = predicted_step_limit(damped.chain, "leapfrog-chebyshev");
-    EXPECT_LT(limit.step, 1.0e-6);
-    EXPECT_EQ(limit.by, StepLimiter::decay);
-    expect_agreement(damped, "leapfrog-chebyshev");
-}
-
-TEST(LargestStep, IsWhereTheGrowthOfAStepPassesOne) {
-    const Place tiny(steady_tiny());
-    const double limit = predicted_step_limit(tiny.chain, "leapfrog-rkc").step;
-    EXPECT_LE(predicted_growth(tiny.chain, "leapfrog-rkc", 0.97 * limit), 1.0 + growth_factor_tolerance);
-    EXPECT_GT(predicted_growth(tiny.chain, "leapfrog-rkc", 1.03 * limit), 1.0 + growth_factor_tolerance);
-}
-
-TEST(LargestStep, ReportsThatLightSheavesSetIt) {
-    const Place light(ready("control", {"pulley.sheave_mass=0.3 kg"})), usual(ready("control"));
-    const StepLimit limit = predicted_step_limit(light.chain, "leapfrog-chebyshev");
-    EXPECT_LT(limit.step, 0.9 * predicted_step_limit(usual.chain, "leapfrog-chebyshev").step);
-    EXPECT_GT(limit.in_pulleys, 0.05);
-    EXPECT_NE(text_of(limit).find("in shafts and sheaves"), std::string::npos) << text_of(limit);
-    expect_agreement(light, "leapfrog-chebyshev");
-}
-
-TEST(LargestStep, OfTheTrapezoidalRuleHasNoLimit) {
-    const Place tiny(steady_tiny());
-    EXPECT_TRUE(std::isinf(predicted_step_limit(tiny.chain, "trapezoidal-full").step));
-    EXPECT_EQ(predicted_step_limit(tiny.chain, "trapezoidal-full").by, StepLimiter::nothing);
-    EXPECT_THROW((void)predicted_step_limit(tiny.chain, "rk5"), std::invalid_argument);
-}
-
-/// W-methods, and Newton's method with a matrix that is kept, take friction as their Jacobian has it; a contact that comes to its kink
-/// within the step then grows for a while. So it does in the long steps of fitted. Linear stability does not speak of that (measured: 1.3
-/// to 4.9 us).
-[[nodiscard]] bool limited_by_kinks(const std::string& method) {
-    const MethodProgram* program = find_program(method);
-    if (program == nullptr) return false;
-    for (const NewtonVariant& variant : newton_variants()) {
-        const bool fresh = variant.options.matrix == NewtonMatrix::every_iteration || variant.options.matrix == NewtonMatrix::once_per_step;
-        if (method == variant.name) return !fresh || !variant.options.backtracking;
-    }
-    return program->name == "fitted" ||
-           (analysis_of(*program).stability != nullptr && analysis_of(*program).stability().equation == TestEquation::linear);
-}
-
-void expect_all(const Place& place) {
+/// Every limit that is stated for stability: with the automatic step runs are right; with 1.5 times the limit runs of leapfrogs go wrong,
+/// and disturbances of a held state grow by steps of a table. Left out is what accuracy limits, or an oscillation beside no friction of its
+/// own: beyond, it grows too slowly to be seen here. Leapfrogs with friction in stages state the limit of the worst friction beside the
+/// fastest oscillation: without friction it is 1.66 times as long.
+TEST(LargestStep, IsStableAndOneAndAHalfTimesItIsNot) {
+    int limited = 0;
     for (const std::string& method : method_names()) {
-        if (method != "leapfrog-rigid" && !limited_by_kinks(method)) expect_agreement(place, method);  // the places have pin halves
+        const MethodProgram* program = find_program(method);
+        const bool leapfrog = program != nullptr && std::isfinite(program->reach.frictionless);
+        Scene scene = steady_tiny(method == "leapfrog-rigid");
+        scene.run.method = method;
+        const Simulation at(scene);
+        const LargestStep limit = largest_step(at);
+        if (!leapfrog && (program != nullptr || limit.by != StepLimiter::decay)) continue;
+        ++limited;
+        EXPECT_FALSE(goes_wrong(scene, automatic_step(at))) << method << ": " << text_of(limit);
+        const bool in_stages = leapfrog && program->reach.oscillation < 0.9 * program->reach.frictionless;
+        const double step = (in_stages ? 1.8 : 1.5) * limit.step;
+        EXPECT_TRUE(leapfrog ? goes_wrong(scene, step)
+                             : disturbance_grows(at.workspace().variator, Method(method).plan(), frozen_start(at), step, 500))
+            << method << ": " << text_of(limit);
     }
+    EXPECT_GE(limited, 15);
 }
-
-TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsOnTheBaseline) { expect_all(Place(ready("baseline"))); }
-TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsUnderControl) { expect_all(Place(ready("control"))); }
-TEST(NightlyLargestStep, IsMeasuredAsPredictedForAllMethodsOnTheSmallestScene) { expect_all(Place(steady_tiny())); }
 
 TEST(StableStep, IsTheReachOfTheRegionOverASingleEigenvalue) {
     for (const char* name : {"rk4", "heun", "dopri54", "dumka3-p3", "dumka3-p5", "rkc-s10"}) {
