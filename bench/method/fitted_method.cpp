@@ -89,21 +89,17 @@ PolynomialRange polynomial_range(const std::string& name, double real) {
     return {engine::CompiledPlan(plan), real, bench::stability_reach(plan, {-0.01, std::sqrt(1.0 - 1e-4)}, 1e-6)};
 }
 
-/// Stages in a geometric ladder of a family whose real reach is `share` of their square.
-Ladder ladder(const std::string& family, double share) {
+}  // namespace
+
+/// Stages in a geometric ladder; the real reach is 0.65 of their square.
+Ladder rkc_ladder() {
     Ladder polynomials;
     for (const int stages : {5, 7, 9, 11, 13, 16, 19, 23, 28, 34, 41, 50, 60, 72, 86, 103})
-        polynomials.push_back(polynomial_range(family + "-s" + std::to_string(stages), share * stages * stages));
+        polynomials.push_back(polynomial_range("rkc-s" + std::to_string(stages), 0.65 * stages * stages));
     return polynomials;
 }
 
-}  // namespace
-
-Ladder rkc_ladder() { return ladder("rkc", 0.65); }
-Ladder rock2_ladder() { return ladder("rock2", 0.77); }
-
 std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace) { return by_ladder(workspace, 3, rkc_ladder()); }
-std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace) { return by_ladder(workspace, 2, rock2_ladder()); }
 
 std::unique_ptr<StepMethod> fitted_by_spectrum(Workspace& workspace) {
     return std::make_unique<StageMethod>(workspace, 3, std::make_unique<FittedChoice>(workspace));

@@ -1,6 +1,5 @@
 #pragma once
-/// Stage methods of the laboratory that choose their polynomial by the spectrum: ladders of RKC and ROCK2, and polynomials fitted when
-/// needed.
+/// Stage methods of the laboratory that choose their polynomial by the spectrum: ladders of RKC, and polynomials fitted when needed.
 
 #include <optional>
 
@@ -10,7 +9,6 @@
 namespace cvtflow::bench {
 
 [[nodiscard]] Ladder rkc_ladder();
-[[nodiscard]] Ladder rock2_ladder();
 
 /// The polynomial of at most max_stages stages that is stable for this extent (step times spectrum); empty if there is none.
 [[nodiscard]] std::optional<engine::StagePlan> fitted_plan(double real, double imaginary);
@@ -47,7 +45,6 @@ private:
 };
 
 [[nodiscard]] std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace);
-[[nodiscard]] std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace);
 [[nodiscard]] std::unique_ptr<StepMethod> fitted_by_spectrum(Workspace& workspace);
 
 }  // namespace cvtflow::bench

@@ -71,7 +71,7 @@ std::vector<std::string> method_names() {
 bool belongs_to_laboratory(std::string_view method) noexcept {
     // How names of its methods begin (bench/method; a test there compares).
     for (const std::string_view beginning :
-         {"rk38", "dopri65", "dopri87", "euler-x", "gbs", "rkc", "rock2", "rock4", "serk2", "fitted", "leapfrog-rkc",
+         {"rk38", "dopri65", "dopri87", "euler-x", "gbs", "rkc", "serk2", "fitted", "leapfrog-rkc",
           "leapfrog-chebyshev-double", "leapfrog-sweep-double", "trapezoidal-", "sw2", "ros34pw2", "w-x"})
         if (method.starts_with(beginning)) return true;
     return false;

@@ -71,15 +71,6 @@ TEST(NightlyStabilised, NoPolynomialOfDumka3IsGoodAtFourMicroseconds) {
         EXPECT_GT(axial_error("dumka3-p" + std::to_string(polynomial), "4us"), 1e-3) << polynomial;
 }
 
-/// An error by a kink of the law in one of many stages is amplified by 1e3 (9 stages) to 1e7 (24) until the end of the step. With few
-/// stages and short steps, the method is as accurate as its order promises, with fewer evaluations than RK4 at 50 ns, whose error is 2e-5.
-TEST(NightlyStabilised, Rock4FailsAtLongStepsWhereFrictionSaturatesAndIsAccurateAtShortOnes) {
-    EXPECT_GT(axial_error("rock4-s24", "2us"), 1e-2);
-    EXPECT_GT(axial_error("rock4-s9", "250ns"), 1e-3);
-    EXPECT_LT(axial_error("rock4-s7", "150ns"), 1e-5);
-    EXPECT_LT(axial_error("rock4-s6", "100ns"), 1e-6);
-}
-
 /// Published: 5.9 times (with another step control and on another machine).
 TEST(NightlyStabilised, PolynomialFiveOfDumka3IsFiveTimesFasterThanRk4) {
     EXPECT_GE(times_over_last({stepped("rk4", "50ns"), stepped("dumka3-p5", "2us")})[0], 5.0);
@@ -119,9 +110,8 @@ TEST(NightlyStabilised, FittedPolynomialsNeedTheFewestEvaluationsForAThousandth)
     const Cheapest fitted = cheapest("fitted", {"fitted"});
     const Cheapest dumka3 = cheapest("dumka3", {"dumka3-p4", "dumka3-p5", "dumka3-p6", "dumka3-p7", "dumka3-p8"});
     const Cheapest rkc = cheapest("rkc", {"rkc", "rkc-s20-e20"});
-    const Cheapest rock2 = cheapest("rock2", {"rock2"});
     const Cheapest serk2 = cheapest("serk2", {"serk2-s10", "serk2-s20"});
-    for (const Cheapest& rival : {dumka3, rkc, rock2, serk2}) EXPECT_LT(fitted.rough, rival.rough);
+    for (const Cheapest& rival : {dumka3, rkc, serk2}) EXPECT_LT(fitted.rough, rival.rough);
     EXPECT_LT(fitted.fine, 1.2 * dumka3.fine);
 }
 

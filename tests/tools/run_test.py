@@ -129,7 +129,7 @@ class Run(Program):
                     "--method rk4 --set joint.law=palmgren",
                     "--method dopri54 --tolerance 1", "--set 'clamping.driven=5.7 N^0.5*kN^0.5'"]
         lines = [f"run tiny {more}" for more in variants] + [f"cvtflow-lab run tiny {more}" for more in (
-            "--method rkc", "--method rock2-s10", "--method fitted-l100-w1",
+            "--method rkc", "--method fitted-l100-w1",
             "--method trapezoidal-analytic --set joint.law=palmgren")] * LAB.exists()
         for line in lines:
             line += f" -o none --until '20 us' {SETTLING} --set run.schedule=serial"

@@ -31,7 +31,6 @@ StagePlan dopri87();
 StagePlan extrapolated_euler(int order);
 StagePlan gragg_bulirsch_stoer(int order);
 StagePlan rk38();
-StagePlan rock2(int stages);
 StagePlan serk2(int stages);
 
 namespace {
@@ -56,18 +55,6 @@ int stages_in(std::string_view name, std::string_view family, int fewest, int mo
     return stages >= fewest && stages <= most && std::fmod(stages, divisor) == 0.0 ? static_cast<int>(stages) : 0;
 }
 
-std::optional<StagePlan> rock2_by_name(std::string_view name) {
-    const int stages = stages_in(name, "rock2", min_near_optimal, max_near_optimal, 1);
-    if (stages == 0) return {};
-    return rock2(stages);
-}
-
-std::optional<StagePlan> rock4_by_name(std::string_view name) {
-    const int stages = stages_in(name, "rock4", min_rock4_stages, max_rock4_stages, 1);
-    if (stages == 0) return {};
-    return rock4(stages);
-}
-
 std::optional<StagePlan> serk2_by_name(std::string_view name) {
     const int stages = stages_in(name, "serk2", 10, 250, 10);
     if (stages == 0) return {};
@@ -80,16 +67,6 @@ constexpr std::array rows{
                  .limits = "2 to 400 stages, damping 0 to 100 (2/13 if absent)",
                  .description = "Runge-Kutta-Chebyshev of order 2",
                  .make = ordered<rkc_by_name>},
-    MethodFamily{.name = "rock2",
-                 .form = "rock2-s<stages>",
-                 .limits = "5 to 400 stages",
-                 .description = "ROCK2 of order 2, near-optimal real interval",
-                 .make = ordered<rock2_by_name>},
-    MethodFamily{.name = "rock4",
-                 .form = "rock4-s<stages>",
-                 .limits = "5 to 100 stages",
-                 .description = "ROCK4 of order 4, near-optimal real interval",
-                 .make = ordered<rock4_by_name>},
     MethodFamily{.name = "serk2",
                  .form = "serk2-s<stages>",
                  .limits = "10, 20, ... 250 stages",
@@ -119,8 +96,6 @@ std::vector<StagePlan> further_tables() {
 std::vector<StagePlan> family_examples() {
     std::vector<StagePlan> list;
     for (const int stages : {10, 20, 30, 50}) list.push_back(rkc(stages));
-    for (const int stages : {10, 20, 40}) list.push_back(rock2(stages));
-    for (const int stages : {10, 20, 40}) list.push_back(rock4(stages));
     for (const int stages : {10, 20, 40}) list.push_back(serk2(stages));
     for (const char* name : {"fitted-l100-w1", "fitted-l200-w2", "fitted-l300-w3", "fitted-l400-w4"}) list.push_back(*fitted_by_name(name));
     for (StagePlan& plan : list) plan = with_order(std::move(plan));

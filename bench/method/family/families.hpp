@@ -21,7 +21,7 @@ namespace cvtflow::bench {
 [[nodiscard]] std::vector<StagePlan> further_tables();
 /// Some members of each family, with their orders.
 [[nodiscard]] std::vector<StagePlan> family_examples();
-/// rkc, rock2, rock4, serk2, fitted; members are made with their orders.
+/// rkc, serk2, fitted; members are made with their orders.
 [[nodiscard]] std::span<const MethodFamily> families() noexcept;
 
 // Runge-Kutta-Chebyshev methods of order 2 with any number of stages.
@@ -48,15 +48,5 @@ inline constexpr double max_rkc_damping = 100.0;   ///< [1]
 
 /// The plan without a last stage that only evaluates the result, for uses that need neither that slope nor an error estimate.
 [[nodiscard]] StagePlan without_last_evaluation(const StagePlan& plan);
-
-// ROCK4 (Abdulle 2002): order 4 with an embedded order 3, real interval 0.24 stages² for 5, 0.32 for 10, 0.35 from 30 on.
-
-inline constexpr int min_rock4_stages = 5;
-/// Tables could be made for up to 400. But an error in one stage grows like stages⁸·⁸: 100 stages make a thousandth of a rounding error.
-inline constexpr int max_rock4_stages = 100;
-
-/// @param stages evaluations of a step; the last stage of the table serves the next step
-/// @throws std::invalid_argument outside 5 … 400
-[[nodiscard]] StagePlan rock4(int stages);
 
 }  // namespace cvtflow::bench

@@ -57,8 +57,7 @@ TEST_F(StabilityCommands, StabilityNeedsNoScene) {
 }
 
 TEST_F(StabilityCommands, StabilityOfATableOnASceneIsPredictedAndMeasured) {
-    const Outcome outcome =
-        run(std::vector<std::string>{"stability", "rk4", "--scene", "tiny", "-q", "-o", "maps"} + brief_settling);
+    const Outcome outcome = run(std::vector<std::string>{"stability", "rk4", "--scene", "tiny", "-q", "-o", "maps"} + brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, testing::ContainsRegex(" [0-9.]+ ns predicted \\(by .* 1/s\\), [0-9.]+ ns measured \\([-+][0-9.]+ %\\)\n"));
     EXPECT_THAT(read("maps/stability-rk4.svg"), HasSubstr(">eigenvalues of tiny times h = "));

@@ -113,7 +113,6 @@ struct Recorded {
 constexpr Recorded recorded[] = {
     {"dumka3", 1, "a70dfff64c047984", "7d25c1bcfba3af3e"},
     {"rkc", 1, "7c9ac806a0677b62", "42cd1775ba8ea18a"},
-    {"rock2", 1, "03930f81ab64dd92", "37999afd49f60875"},
     {"fitted", 1, "d47c039b512c6467", "0b87fafcd4415de9"},
     {"leapfrog-rkc", 2, "68ebe460b2d811dd", "none"},
     {"leapfrog-chebyshev", 2, "2bdc5433e1cda232", "none"},
