@@ -5,38 +5,88 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numeric>
-#include <set>
 
 #include "model/observe/observation.hpp"
 #include "tasks/method/auto_step.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::bench {
 
 using namespace tasks;
 
-const std::vector<Extreme>& extremes() {
-    static const std::vector<Extreme> rows = [] {
-        std::vector<Extreme> all;
-        add_friction_rows(all);
-        add_size_rows(all);
-        add_operation_rows(all);
-        add_contact_rows(all);
-        add_step_rows(all);
-        add_number_rows(all);
-        add_limit_rows(all);
-        return all;
-    }();
-    return rows;
-}
-
 namespace {
 
-/// Factor on the largest stable step above which a step counts as beyond stability. The estimate is good to some per cent, and a
-/// method that is a little unstable in a few contacts only (RK4 at 50 ns on the baseline: 1.1) still gives good results.
-constexpr double beyond_stability = 1.25;
-
 const char* const methods[] = {"rk4", "dopri54", "dumka3-p3", "leapfrog-chebyshev"};
+constexpr double usual_step = 5e-8;   ///< [s]
+constexpr double wall_limit = 120.0;  ///< [s]
+/// Largest relative error of the energy balance, and ten times less strict of the state against half the step: the start may put all energy
+/// into the stiffest mode, which methods damp by 3e-5 a step at a tenth of stability.
+constexpr double bound = 5e-3;
+/// Additional error that leapfrogs are allowed. Their energy is that of a neighbouring system and swings about ours by (h omega)^2 / 4, and
+/// they lag by (h omega)^2 / 24 of the angle; at a tenth of stability h omega = 0.28.
+constexpr double swing = 0.02;
+
+/// A key with a value as a row; `beyond` its range it must be refused.
+void add(std::vector<Extreme>& rows, const Parameter& parameter, const std::string& value, bool beyond = false) {
+    rows.push_back(
+        {std::string(parameter.section()), fmt::format("{} = {}", parameter.key, value), {fmt::format("{}={}", parameter.key, value)}});
+    if (beyond) rows.back().allowed = {Ending::refused};
+}
+
+void add_numbers(std::vector<Extreme>& rows, const Parameter& parameter) {
+    const bool list = parameter.kind() == Kind::number_list;
+    const auto text = [&](const std::string& number) { return list ? "[" + number + "]" : number; };
+    for (const double limit : {parameter.min, parameter.max}) add(rows, parameter, text(number_text(limit)));
+    const double beyond =
+        1.0 + 1e-9 * (parameter.kind() == Kind::integer ? 1e9 : std::max(std::abs(parameter.max), std::abs(parameter.min)));
+    for (const std::string& number :
+         {number_text(parameter.min - beyond), number_text(parameter.max + beyond), std::string("nan"), std::string("inf")})
+        add(rows, parameter, text(number), true);
+    if (parameter.kind() != Kind::time_table) return;
+    for (const auto& [from, to] : {std::pair(parameter.min, parameter.max), std::pair(parameter.max, parameter.min)})
+        add(rows, parameter, fmt::format("[[0, {}], [1e-12, {}]]", number_text(from), number_text(to)));
+}
+
+void add_key(std::vector<Extreme>& rows, const Parameter& parameter) {
+    switch (parameter.kind()) {
+        case Kind::number:
+        case Kind::auto_number:
+        case Kind::number_list:
+        case Kind::time_table:
+        case Kind::integer: return add_numbers(rows, parameter);
+        case Kind::choice:
+            for (const std::string_view word : parameter.choices) add(rows, parameter, std::string(word));
+            return;
+        case Kind::boolean:
+            for (const char* word : {"true", "false"}) add(rows, parameter, word);
+            return;
+        case Kind::text:
+        case Kind::text_list:
+        case Kind::speed_table: return;
+    }
+}
+
+/// Steps from the shortest to far beyond stability, and states that no run comes to.
+void add_starts(std::vector<Extreme>& rows) {
+    for (double step = 1e-12; step < 2e-2; step *= 10.0) {
+        rows.push_back({"run", fmt::format("run.step = {:g}", step), {}});
+        rows.back().step = step;
+        rows.back().allowed.push_back(Ending::announced);
+    }
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    for (const double velocity : {std::numeric_limits<double>::quiet_NaN(), infinity, 1e300, 1e154, 2e4}) {
+        rows.push_back({"start", fmt::format("a pin at {:g} m/s", velocity), {}, {Ending::fault}});
+        rows.back().velocity = velocity;
+    }
+    rows.push_back(
+        {"chain", "free ring of 10,000", {"chain.pins=10000", "detail.pulleys=absent", "start.layout=ring", "start.ring_speed=2"}});
+    rows.back().allowed = {Ending::right};
+    rows.back().steps = 10;
+    rows.back().nightly = true;
+}
 
 /// The levels of the catalogue, and one with lumped plates and rigid sheaves that it does not have.
 std::vector<std::pair<std::string, Scene>> details(const Scene& scene) {
@@ -48,9 +98,6 @@ std::vector<std::pair<std::string, Scene>> details(const Scene& scene) {
     }
     return all;
 }
-
-constexpr double usual_step = 5e-8;
-constexpr double wall_limit = 120.0;
 
 /// Energies, their flow through the ledger, and the unknowns.
 struct Account {
@@ -79,8 +126,6 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
     return std::sqrt(sum);
 }
 
-double length(const std::vector<double>& a) { return distance(a, std::vector<double>(a.size())); }
-
 /// Residual over the energy that passed or is stored; a thousandth of the whole counts as passed, so that a system at rest need not balance
 /// rounding.
 double imbalance(const Account& before, const Account& after) {
@@ -90,64 +135,26 @@ double imbalance(const Account& before, const Account& after) {
 }
 
 [[nodiscard]] bool finite(const Account& account) {
-    return std::isfinite(account.energy) &&
-           std::all_of(account.unknowns.begin(), account.unknowns.end(), [](double x) { return std::isfinite(x); });
+    return std::isfinite(account.energy) && std::ranges::all_of(account.unknowns, [](double x) { return std::isfinite(x); });
 }
-
-}  // namespace
-
-std::string_view ending_name(Ending ending) noexcept {
-    constexpr std::string_view names[] = {"right", "refused", "fault", "announced", "wrong"};
-    return names[static_cast<int>(ending)];
-}
-
-struct ExtremeJudge::Level {
-    std::string name;
-    Scene scene;
-    IntegrationState settled;
-};
-
-ExtremeJudge::ExtremeJudge(const Scene& tiny) {
-    SilentObserver silent;
-    const engine::Cancellation never;
-    for (const auto& [name, scene] : details(tiny)) {
-        Level level{name, scene, {}};
-        set_values(level.scene, std::vector<std::string>{"start.settling_time=1 ms", "start.ramp_time=0.8 ms", "record.ledger=true",
-                                                         "run.schedule=serial"});
-        Simulation simulation(level.scene);
-        if (const Fault fault = simulation.advance({.until = 0.0}, silent, never))
-            throw SimulationError(fmt::format("detail {} does not settle: {}", name, fault.message()));
-        level.settled = simulation.integration_state();
-        level.scene.parameters.start.settling_time = 0.0;
-        levels_.push_back(std::move(level));
-    }
-}
-
-ExtremeJudge::~ExtremeJudge() = default;
-
-namespace {
 
 /// A simulation of the row at its start, ready to run with a step.
 class JudgedTrial {
 public:
-    /// @param nominal the row's step, which its preparation may depend on   @param step the one to run with
-    JudgedTrial(const Extreme& row, Scene scene, const IntegrationState& settled, double nominal, double step, double span)
+    JudgedTrial(const Extreme& row, Scene scene, const IntegrationState& settled, double step, double span)
         : simulation_(with_step(std::move(scene), step, span)) {
         IntegrationState start = simulation_.integration_state();
-        if (!row.geometric && settled.state.size() == start.state.size() && settled.phases.size() == start.phases.size()) start = settled;
+        if (settled.state.size() == start.state.size() && settled.phases.size() == start.phases.size()) start = settled;
+        const model::ChainLayout& at = simulation_.workspace().layout();
+        if (row.velocity != 0.0) start.state[static_cast<std::size_t>(at.link_begin(2) + at.link_size())] = row.velocity;
         simulation_.restore(start);
-        if (row.prepare != nullptr) {
-            row.prepare(simulation_, nominal, start);
-            simulation_.restore(start);
-        }
         probed_ = run(0.0);  // phases are those of the start
     }
-    [[nodiscard]] Simulation& simulation() noexcept { return simulation_; }
+    [[nodiscard]] const Simulation& simulation() const noexcept { return simulation_; }
     [[nodiscard]] Fault run(double span) {
         if (probed_) return probed_;
         SilentObserver silent;
-        const engine::Cancellation never;
-        return simulation_.advance({.until = simulation_.time() + span, .new_part = true}, silent, never);
+        return simulation_.advance({.until = simulation_.time() + span, .new_part = true}, silent, engine::Cancellation());
     }
 
 private:
@@ -160,108 +167,99 @@ private:
     Fault probed_;
 };
 
-/// Stable step of both the row's and RK4's at its start; zero or infinite values mean that there is no answer.
-[[nodiscard]] double stable_step(const Simulation& simulation, const std::string& method) {
+/// The largest step that the program states at a simulation's present state; 0 or infinite: there is no answer.
+[[nodiscard]] double stated_step(const Simulation& simulation, const Method& method) {
     const Workspace& w = simulation.workspace();
-    const auto limit = [&](const Method& of) {
-        AutoStep step(w.variator, w.parameters, of);
-        (void)step.longest(simulation.time(), w.state(), w.tips.phases.data());
-        return step.stable_step();
-    };
-    return std::min(limit(method), limit("rk4"));
+    AutoStep step(w.variator, w.parameters, method);
+    (void)step.longest(simulation.time(), w.state(), w.tips.phases.data());
+    return step.stable_step();
 }
 
-[[nodiscard]] double step_for(const Extreme& row, double stable) {
-    if (row.step > 0.0) return row.step;
-    return std::isfinite(stable) && stable > 0.0 ? std::min(usual_step, 0.1 * stable) : usual_step;
-}
+void ends_by(ExtremeCase& result, Ending ending, const std::string& message) { result.ending = ending, result.message = message; }
 
-/// Objection to a complete run; empty: none.
-[[nodiscard]] std::string objection(const Extreme& row, const ExtremeCase& result, long transitions) {
-    const double bound = row.bound + (result.method.starts_with("leapfrog") ? row.swing : 0.0);
-    if (result.balance > bound) return fmt::format("energy balance {:.2g}, bound {:.2g}", result.balance, bound);
-    if (result.refinement > 10.0 * bound)
-        return fmt::format("half the step changes the result by {:.2g}, bound {:.2g}", result.refinement, 10.0 * bound);
-    if (transitions < row.min_transitions) return fmt::format("{} transitions, {} expected", transitions, row.min_transitions);
-    return "";
-}
-
-void compare_halved(const Extreme& row, const Scene& scene, const IntegrationState& settled, double span, JudgedTrial& coarse,
-                    const Account& before, ExtremeCase& result) {
-    const Account after = account_of(coarse.simulation());
-    JudgedTrial fine(row, scene, settled, result.step, 0.5 * result.step, span);
-    result.fault = fine.run(0.5 * span);
+/// Runs with the case's step and with half of it, and compares.
+void compare_halved(const Extreme& row, const Scene& scene, const IntegrationState& settled, double stated, ExtremeCase& result) {
+    const double span = static_cast<double>(row.steps) * result.step;
+    JudgedTrial coarse(row, scene, settled, result.step, span), fine(row, scene, settled, 0.5 * result.step, span);
+    const Account before = account_of(coarse.simulation());
+    Fault fault = coarse.run(span);
+    if (!fault) fault = fine.run(0.5 * span);
+    if (fault) return ends_by(result, Ending::fault, fault.message());
     const Account halfway = account_of(fine.simulation());
-    if (!result.fault) result.fault = fine.run(0.5 * span);
-    if (result.fault) {
-        result.ending = Ending::fault;
-        result.message = "at half the step: " + result.fault.message();
-        return;
-    }
-    const Account finer = account_of(fine.simulation());
-    if (!finite(after) || !finite(finer)) {
-        result.message = "not finite and not said";
-        return;
-    }
+    fault = fine.run(0.5 * span);
+    if (fault) return ends_by(result, Ending::fault, fault.message());
+    const Account after = account_of(coarse.simulation()), finer = account_of(fine.simulation());
+    if (!finite(after) || !finite(finer)) return ends_by(result, Ending::wrong, "not finite and not said");
     result.balance = imbalance(before, after);
     // An oscillation that is back where it began at the end was elsewhere before.
-    const double moved =
-        std::max({distance(finer.unknowns, before.unknowns), distance(halfway.unknowns, before.unknowns), 1e-9 * length(before.unknowns)});
+    const double length = distance(before.unknowns, std::vector<double>(before.unknowns.size()));
+    const double moved = std::max({distance(finer.unknowns, before.unknowns), distance(halfway.unknowns, before.unknowns), 1e-9 * length});
     result.refinement = moved > 0.0 ? distance(after.unknowns, finer.unknowns) / moved : 0.0;
-    result.message = objection(row, result, coarse.simulation().counters().detected);
-    const bool beyond = result.step > beyond_stability * result.stable_step;
-    result.ending = result.message.empty() ? Ending::right : beyond ? Ending::announced : Ending::wrong;
+    const double allowed = bound + (result.method.starts_with("leapfrog") ? swing : 0.0);
+    if (result.balance <= allowed && result.refinement <= 10.0 * allowed) return ends_by(result, Ending::right, "");
+    ends_by(result, result.step > stated ? Ending::announced : Ending::wrong,
+            fmt::format("energy balance {:.2g}, half the step changes the result by {:.2g}", result.balance, result.refinement));
 }
 
 }  // namespace
 
-ExtremeCase ExtremeJudge::run(const Extreme& row, const Level& level, const std::string& method) const {
-    ExtremeCase result;
-    result.method = method;
-    result.detail = level.name;
+std::string_view ending_name(Ending ending) noexcept {
+    constexpr std::string_view names[] = {"right", "refused", "fault", "announced", "wrong"};
+    return names[static_cast<int>(ending)];
+}
+
+const std::vector<Extreme>& extremes() {
+    static const std::vector<Extreme> rows = [] {
+        std::vector<Extreme> all;
+        for (const Parameter& parameter : parameter_table()) {
+            const std::string_view section = parameter.section();
+            if (section != "run" && section != "scene" && section != "record" && parameter.key != level_key) add_key(all, parameter);
+        }
+        add_starts(all);
+        return all;
+    }();
+    return rows;
+}
+
+ExtremeJudge::ExtremeJudge(const Scene& tiny) {
+    SilentObserver silent;
+    for (const auto& [name, scene] : details(tiny)) {
+        Level level{name, scene, {}};
+        set_values(level.scene, std::vector<std::string>{"start.settling_time=1 ms", "start.ramp_time=0.8 ms", "record.ledger=true",
+                                                         "run.schedule=serial"});
+        Simulation simulation(level.scene);
+        if (const Fault fault = simulation.advance({.until = 0.0}, silent, engine::Cancellation()))
+            throw SimulationError(fmt::format("detail {} does not settle: {}", name, fault.message()));
+        level.settled = simulation.integration_state();
+        level.scene.parameters.start.settling_time = 0.0;
+        levels_.push_back(std::move(level));
+    }
+}
+
+ExtremeCase ExtremeJudge::run(const Extreme& row, const Level& level, const std::string& method) {
+    ExtremeCase result{method, level.name};
     const auto started = std::chrono::steady_clock::now();
     try {
         Scene scene = level.scene;
         scene.run.method = method;
         set_values(scene, row.settings);
-        result.stable_step = stable_step(JudgedTrial(row, scene, level.settled, usual_step, usual_step, 1e-5).simulation(), method);
-        result.step = step_for(row, result.stable_step);
-        const double span = static_cast<double>(row.steps) * result.step;
-        JudgedTrial coarse(row, scene, level.settled, result.step, result.step, span);
-        const Account before = account_of(coarse.simulation());
-        result.fault = coarse.run(span);
-        result.steps = coarse.simulation().counters().steps;
-        if (result.fault) {
-            result.ending = Ending::fault;
-            result.message = result.fault.message();
-        } else {
-            compare_halved(row, scene, level.settled, span, coarse, before, result);
-        }
+        const JudgedTrial start(row, scene, level.settled, usual_step, 1e-5);
+        const double stated = stated_step(start.simulation(), method), stable = std::min(stated, stated_step(start.simulation(), "rk4"));
+        result.step = row.step > 0.0 ? row.step : std::isfinite(stable) && stable > 0.0 ? std::min(usual_step, 0.1 * stable) : usual_step;
+        compare_halved(row, scene, level.settled, stated, result);
     } catch (const std::exception& error) {  // SceneError, SimulationError, std::invalid_argument: the scene is refused in words
-        result.ending = Ending::refused;
-        result.message = error.what();
+        ends_by(result, Ending::refused, error.what());
     }
     result.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     return result;
 }
 
-namespace {
-
-[[nodiscard]] bool allowed(const Extreme& row, const ExtremeCase& one) {
-    const bool ending = std::find(row.allowed.begin(), row.allowed.end(), one.ending) != row.allowed.end();
-    if (!ending || one.wall > wall_limit) return false;
-    return one.ending != Ending::fault || row.faults.empty() ||
-           std::find(row.faults.begin(), row.faults.end(), one.fault.kind) != row.faults.end();
-}
-
-}  // namespace
-
-ExtremeResult ExtremeJudge::judge(const Extreme& row) {
-    ExtremeResult result{&row, {}, true};
+ExtremeResult ExtremeJudge::judge(const Extreme& row) const {
+    ExtremeResult result{{}, true};
     for (const Level& level : levels_) {
         for (const char* method : methods) {
-            result.cases.push_back(run(row, level, method));
-            result.passed = result.passed && allowed(row, result.cases.back());
+            const ExtremeCase& one = result.cases.emplace_back(run(row, level, method));
+            result.passed = result.passed && std::ranges::count(row.allowed, one.ending) > 0 && one.wall <= wall_limit;
         }
     }
     return result;
@@ -270,29 +268,11 @@ ExtremeResult ExtremeJudge::judge(const Extreme& row) {
 std::string ExtremeResult::outcome() const {
     std::string text;
     for (const Ending ending : {Ending::right, Ending::refused, Ending::fault, Ending::announced, Ending::wrong}) {
-        std::vector<const ExtremeCase*> like;
-        for (const ExtremeCase& one : cases) {
-            if (one.ending == ending) like.push_back(&one);
-        }
-        if (like.empty()) continue;
-        const auto worst = [&](double ExtremeCase::*member) {
-            double most = 0.0;
-            for (const ExtremeCase* one : like) most = std::max(most, one->*member);
-            return most;
-        };
-        long steps = 0;
-        for (const ExtremeCase* one : like) steps = std::max(steps, one->steps);
-        text += fmt::format("{}{} {}", text.empty() ? "" : "; ", like.size(), ending_name(ending));
-        if (ending == Ending::right)
-            text += fmt::format(" (balance {:.0e}, half step {:.0e})", worst(&ExtremeCase::balance), worst(&ExtremeCase::refinement));
-        if (ending == Ending::fault) {
-            std::set<std::string> names;
-            for (const ExtremeCase* one : like) names.insert(one->fault.name());
-            text += fmt::format(" ({} after {} steps at most)", fmt::join(names, ", "), steps);
-        }
-        if (ending == Ending::announced) text += fmt::format(" (stable up to {:.2g} s)", worst(&ExtremeCase::stable_step));
-        if (ending == Ending::refused || ending == Ending::wrong)
-            text += fmt::format(" ({})", like.front()->message.substr(0, like.front()->message.find('\n')));
+        const auto like = [&](const ExtremeCase& one) { return one.ending == ending; };
+        const auto first = std::ranges::find_if(cases, like);
+        if (first == cases.end()) continue;
+        text += fmt::format("{}{} {}", text.empty() ? "" : "; ", std::ranges::count_if(cases, like), ending_name(ending));
+        if (!first->message.empty()) text += fmt::format(" ({})", first->message.substr(0, first->message.find('\n')));
     }
     return text;
 }
