@@ -14,7 +14,6 @@ constexpr const char* scene = "Commands about scenes, as of cvtflow, with all me
 constexpr const char* schedule = "Commands about schedules";
 constexpr const char* method = "Commands about methods";
 constexpr const char* accuracy = "Commands about accuracy";
-constexpr const char* machine = "Commands about machines";
 
 /// Commands in the order of the help text.
 std::span<const tools::Command> commands() noexcept {
@@ -44,7 +43,6 @@ std::span<const tools::Command> commands() noexcept {
         Command{"extremes", accuracy, "Run the edges of every parameter and say what comes of each", declare_extremes},
         Command{"lottery", accuracy, "Run machines drawn by chance with defaults and count how they end", declare_lottery},
         Command{"belt", accuracy, "Solve the theory of a continuous belt for a machine: thrust ratio, slip, shift, arcs", declare_belt},
-        Command{"noise", machine, "Search a sequence of pitches with little tonality: forces and torques by orders", declare_noise},
     };
     return rows;
 }

@@ -35,7 +35,7 @@ class PageCommands(unittest.TestCase):
         for each in [*pages(), *written_pages()]:
             if not CHOSEN or each.path in CHOSEN:
                 with self.subTest(each.path), tempfile.TemporaryDirectory(prefix="cvtflow_docs_") as folder:
-                    for part in ("api", "bench", "docs", "scenes", "tools", "tests"):  # named as on the page
+                    for part in ("api", "bench", "docs", "examples", "scenes", "tools", "tests"):  # named as on the page
                         os.symlink(TOP / part, f"{folder}/{part}")
                     os.symlink(BUILD, f"{folder}/build")
                     self.run_page(each, folder)

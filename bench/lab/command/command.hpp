@@ -20,6 +20,5 @@ tools::Action declare_executors(CLI::App& app);
 tools::Action declare_extremes(CLI::App& app);
 tools::Action declare_lottery(CLI::App& app);
 tools::Action declare_belt(CLI::App& app);
-tools::Action declare_noise(CLI::App& app);
 
 }  // namespace cvtflow::bench
