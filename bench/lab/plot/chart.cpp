@@ -37,7 +37,7 @@ Json series_json(const Series& series) {
             {"line", lines[static_cast<int>(series.line)]},
             {"colour", series.colour},
             {"width", series.width},
-            {"sets_ends", series.sets_ends}};
+            {"sets_ends", true}};
 }
 
 /// Place of a value along an axis, up to a factor; and back.
@@ -78,7 +78,9 @@ Json region_json(const Plot& plot, const Region& region) {
     return {{"name", region.name}, {"colour", region.colour}, {"x", x}, {"y", y}, {"inside", std::move(rows)}};
 }
 
-std::string made(const std::vector<Plot>& plots, const char* format) {
+}  // namespace
+
+std::string svg(const std::vector<Plot>& plots) {
     Json panels = Json::array();
     for (const Plot& plot : plots) {
         Json series = Json::array(), regions = Json::array();
@@ -89,19 +91,13 @@ std::string made(const std::vector<Plot>& plots, const char* format) {
                           {"y", axis_json(plot.y)},
                           {"series", std::move(series)},
                           {"regions", std::move(regions)},
-                          {"height", plot.height}});
+                          {"height", 540.0}});
     }
-    return drawn({{"command", "chart"},
-                  {"format", format},
-                  {"heading", plots.empty() ? "" : plots.front().subtitle},
-                  {"panels", std::move(panels)}});
+    return drawn(
+        {{"command", "chart"}, {"format", "svg"}, {"heading", plots.empty() ? "" : plots.front().subtitle}, {"panels", std::move(panels)}});
 }
 
-}  // namespace
-
 std::string svg(const Plot& plot) { return svg(std::vector{plot}); }
-std::string svg(const std::vector<Plot>& plots) { return made(plots, "svg"); }
-std::string csv(const std::vector<Plot>& plots) { return made(plots, "csv"); }
 std::string palette(std::size_t number) { return "C" + std::to_string(number); }
 
 }  // namespace cvtflow::tools

@@ -34,9 +34,8 @@ struct Series {
     std::vector<Point> points;  ///< points in the order of the line; points that are not finite interrupt it
     Mark mark = Mark::dot;
     Line line = Line::none;
-    std::string colour;     ///< CSS colour; empty: the next of the palette
-    double width = 1.6;     ///< width of the line [px]; a broad one, drawn first, shows below others that agree with it
-    bool sets_ends = true;  ///< whether the axes reach its points; else it is cut where they end
+    std::string colour;  ///< CSS colour; empty: the next of the palette
+    double width = 1.6;  ///< width of the line [px]; a broad one, drawn first, shows below others that agree with it
 };
 
 /// A shaded part of the plane: where `inside` holds.
@@ -52,7 +51,6 @@ struct Plot {
     Axis x, y;
     std::vector<Series> series{};
     std::vector<Region> regions{};  ///< drawn below the series, in this order
-    double height = 540.0;          ///< height without a legend below the picture, which is 860 wide [px]
 };
 
 /// The plot as an SVG document, the same every time.
@@ -60,8 +58,6 @@ struct Plot {
 [[nodiscard]] std::string svg(const Plot& plot);
 /// Pictures below one another as one SVG document; those with the same horizontal axis have it at the same place.
 [[nodiscard]] std::string svg(const std::vector<Plot>& plots);
-/// Rows "plot, series, x, y, labels of both axes" of the same points.
-[[nodiscard]] std::string csv(const std::vector<Plot>& plots);
 
 /// The colour that the series of that number gets if it names none: eight, distinguishable by colour-blind readers.
 [[nodiscard]] std::string palette(std::size_t number);

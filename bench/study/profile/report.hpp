@@ -1,5 +1,5 @@
 #pragma once
-/// A profile as CSV and trace, with the origin of its numbers. Tables for people: bench/lab/report/profile_report.hpp.
+/// A profile as CSV and trace, with the origin of its numbers. Tables for people: bench/lab/command/schedule/profile.cpp.
 
 #include <string>
 
