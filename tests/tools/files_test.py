@@ -284,15 +284,6 @@ class Replacement(_Files):
             os.chown("a/cvtflow-scenes.path", 65534, 65534)  # a stranger's
             self.lacks(self.shell("a/b/c/cvtflow list scenes").stdout, "baseline")
 
-    def test_writes_no_control_character_of_a_name(self):
-        record, cut = "\x1b[2Jx.h5", "\x1b[2Jcut"
-        shutil.copy("own.h5", record)
-        os.rename("cut", cut)
-        for words in (["info", record], ["report", record], ["plot", record, "slip"], ["merge", cut]):
-            done = self.cvtflow(words)
-            self.has(done.out, "\\x1b[2J")
-            self.lacks(done.out + done.err, "\x1b")
-
     def test_keeps_the_mode_of_what_it_replaces_and_what_is_write_protected(self):
         self.cvtflow(f"run tiny {RUN}")
         os.chmod("results/tiny.h5", 0o600)
@@ -336,19 +327,6 @@ class Replacement(_Files):
         before = files()
         self.has(self.err("merge cut --partial"), "cut/cases.h5: has 4 cases, the workers have")
         self.assertEqual(files(), before)
-
-    def test_keeps_a_sweep_in_its_folder(self):
-        os.makedirs("out")
-        os.mkdir("elsewhere")
-        for inside in ("records", "checkpoints", "continuation", "states"):
-            os.symlink(os.path.abspath("elsewhere"), f"out/{inside}")
-            self.has(self.batch("", 1).err, f"out/{inside}: a symbolic link; a sweep writes into real folders only")
-            os.remove(f"out/{inside}")
-        os.symlink(os.path.abspath("victim"), "out/lock")  # dangling
-        self.batch("", 1)
-        self.assertEqual((os.path.exists("victim"), os.listdir("elsewhere")), (False, []))
-        os.remove("out/lock")
-        self.batch()
 
     def test_no_name_of_a_scene_or_a_sweep_is_a_path(self):
         for name in ("../../x", "/tmp/x", "a\\\\b", "..", ".x", "a\\u001b[2J", "a\\u0001", "a\\uFFFE", "x" * 201):
