@@ -67,24 +67,6 @@ TEST(Fitted, OrderThreeHoldsNearly) {
     EXPECT_LE(time_defect(tableau), 1e-13);
 }
 
-/// Elasticity alone decides: steps of a lightly loaded chain.
-TEST(Fitted, WideRegionsCanBeMetToo) {
-    for (const auto& [real, imaginary] : {std::pair{18.4, 4.88}, {5.0, 3.0}, {40.0, 6.0}}) {
-        const auto fitted = fit(region(real, imaginary));
-        ASSERT_TRUE(fitted) << real;
-        EXPECT_LE(fitted->plan.stages.size(), 65u) << real;
-        RecordProperty("stages_for_" + std::to_string(imaginary), std::to_string(fitted->plan.stages.size() - 1));
-    }
-}
-
-TEST(NightlyFitted, TakesMilliseconds) {
-    const auto started = std::chrono::steady_clock::now();
-    ASSERT_TRUE(fit(region(200.0, 2.0)));
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-    RecordProperty("milliseconds", std::to_string(1e3 * seconds));
-    EXPECT_LT(seconds, 2.0) << "50 ms on a free core";
-}
-
 TEST(Fitted, HasNames) {
     EXPECT_EQ(make_method("fitted-l200-w2")->stages, fit(region(200.0, 2.0))->plan.stages);
     EXPECT_EQ(make_method("fitted-l200-w2-s30")->stages.size(), 31u);
@@ -147,14 +129,6 @@ TEST(NearOptimal, StabilityFunctionIsThePolynomial) {
     }
 }
 
-/// SERK2 multiplies what happens in a stage by thousands; why it is not the choice where friction saturates.
-TEST(NearOptimal, ErrorsOfStagesGrow) { EXPECT_GT(perturbation_gain(*make_method("serk2-s20"), 300.0), 1e3); }
-
-TEST(NearOptimal, DegreesHaveLimits) {
-    for (const int degree : {4, 401}) EXPECT_THROW((void)near_optimal_polynomial(degree), std::invalid_argument);
-    for (const char* name : {"serk2-s15", "serk2-s260", "serk2-s0"}) EXPECT_FALSE(make_method(name)) << name;
-}
-
 TEST(Rkc, EveryNumberOfStagesHasItsName) {
     for (int stages = min_rkc_stages; stages <= max_rkc_stages; ++stages) {
         const std::string name = "rkc-s" + std::to_string(stages);
@@ -164,30 +138,6 @@ TEST(Rkc, EveryNumberOfStagesHasItsName) {
         EXPECT_NO_THROW(validate(*plan)) << name;
         EXPECT_EQ(plan->stages.size(), static_cast<std::size_t>(stages) + 1);
     }
-}
-
-TEST(Rkc, NamesWithDampingGiveThePlanByValue) {
-    const std::optional<StagePlan> plan = make_method("rkc-s37-e10");
-    ASSERT_TRUE(plan);
-    EXPECT_EQ(plan->name, "rkc-s37-e10");
-    EXPECT_EQ(plan->stages, rkc(37, 10.0).stages);
-    EXPECT_EQ(rkc(37, 0.5).name, "rkc-s37-e0.5");
-    EXPECT_EQ(make_method("rkc-s37-e0.5")->stages, rkc(37, 0.5).stages);
-    EXPECT_EQ(make_method("rkc-s37")->stages, rkc(37).stages);
-    EXPECT_EQ(make_method("rk4")->stages, find_method("rk4")->stages);
-    EXPECT_EQ(find_method("rkc-s37-e10"), nullptr);
-}
-
-TEST(Rkc, OtherNamesGiveNothing) {
-    for (const char* name : {"rkc", "rkc-s", "rkc-s1", "rkc-s401", "rkc-s-5", "rkc-s20x", "rkc-s20-e", "rkc-s20-ex", "rkc-s20-e-1",
-                             "rkc-s20-e101", "rkc-s20-e1x", "rkc-s99999999999", "rkc-s20-einf", "rkc-s20-enan", "RKC-s20", ""}) {
-        EXPECT_FALSE(make_method(name)) << name;
-        EXPECT_EQ(find_method(name), nullptr) << name;
-    }
-    EXPECT_THROW((void)rkc(1), std::invalid_argument);
-    EXPECT_THROW((void)rkc(401), std::invalid_argument);
-    EXPECT_THROW((void)rkc(10, -1.0), std::invalid_argument);
-    EXPECT_THROW((void)rkc(10, std::nan("")), std::invalid_argument);
 }
 
 TEST(Rkc, IsOfOrderTwoWhateverItsStages) {

@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
-#include <filesystem>
-#include <iterator>
 #include <stdexcept>
 
 #include "bench/count/instructions.hpp"
@@ -92,14 +90,6 @@ TEST(PairedGain, ComparesTurnsOfTheSameRound) {
     EXPECT_EQ(gain.far_rounds, 1);
     EXPECT_DOUBLE_EQ(gain.far.median, 2.5);
     EXPECT_EQ(paired_gain({1.0}, {}, {}, 1).near_rounds, 0) << "dropped before the first round that counts";
-}
-
-TEST(Trial, EndsAtItsTimeout) {
-    Trial trial(ready_tiny(), Schedule{});
-    const TrialSample sample = trial.run(1000000, 0.001);
-    EXPECT_LT(sample.steps, 1000000);
-    EXPECT_GT(sample.wall, 0.001);
-    EXPECT_EQ(trial.run(3).steps, 3);  // and can continue
 }
 
 TEST(Profile, MeasuresAndFindsEqualStates) {
@@ -253,39 +243,6 @@ TEST(Statistics, QuartilesEncloseTheMedian) {
     EXPECT_EQ(five.upper_quartile, 4.0);
     EXPECT_EQ(spread({}).median, 0.0);
     EXPECT_EQ(spread({7.0}).upper_quartile, 7.0);
-}
-
-std::ptrdiff_t thread_count() { return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {}); }
-
-TEST(BusyNeighbours, BurnTimeAndLeave) {
-    const std::ptrdiff_t before = thread_count();
-    {
-        const BusyNeighbours two(2);
-        EXPECT_EQ(thread_count(), before + 2);
-        while (two.processor_seconds() < 0.005) {}
-    }
-    EXPECT_EQ(thread_count(), before);
-    const BusyNeighbours none(0);
-    EXPECT_EQ(none.processor_seconds(), 0.0);
-}
-
-TEST(Crowding, OneThreadGetsOneProcessorAtMost) {
-    const double got = processors_got(1, 0.02);
-    EXPECT_GT(got, 0.0);
-    EXPECT_LE(got, 1.0);
-}
-
-TEST(Crowding, ThreadsCannotGetMoreThanThereIs) {
-    const int processors = engine::Processors().count();
-    EXPECT_LE(processors_got(2 * processors, 0.05), 1.15 * processors);  // pieces run at different speeds where processors differ
-}
-
-/// Beside twice as many threads that do nothing but spin, a third of the machine is left. Half would be a lot: time slices are some
-/// milliseconds.
-TEST(Crowding, BusyNeighboursShow) {
-    const int processors = engine::Processors().count();
-    const BusyNeighbours neighbours(2 * processors);
-    EXPECT_LT(processors_got(processors, 0.3), 0.75 * processors);
 }
 
 }  // namespace
