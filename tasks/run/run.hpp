@@ -26,6 +26,7 @@ struct RunReport : RunHistory {
     Fault fault;
     EnergyBalance energy;                      ///< balance of the run, without settling
     double balance_error_ratio = 0.0;          ///< larger one of run and settling; above 1 the results are unreliable
+    JudgedBalance judged;                      ///< balance of the run that is farthest from closing
     double settling_residual = 0.0;            ///< relative residual of the energy balance of settling
     SpanMeans whole, first_fifth, last_fifth;  ///< means of the run; with run.until = "steady" of its last half
     CycleMiss cycle_miss;                      ///< largest miss of a run with a cycle

@@ -256,6 +256,7 @@ void RunRecorder::finish(const Simulation& simulation, RunReport& report, double
     report.step = simulation.step();
     report.energy = simulation.workspace().energy.balance(means_.mark());
     report.balance_error_ratio = simulation.balance_error_ratio(means_.mark());
+    report.judged = simulation.workspace().energy.judged(means_.mark());
     report.hash = simulation.hash();
     report.outputs = outputs_;
     report.has_pulleys = has_pulleys_;

@@ -162,10 +162,12 @@ std::string step_text(const RunReport& r) {
 std::string trust_lines(const RunReport& r) {
     const bool judged = !r.reliable() || r.energy.balance_error_ratio() > 0.0 || r.energy.relative() < 1.0;
     std::string text = "  energy balance      not judged: too few samples of the losses";
-    if (judged)
-        text = fmt::format("  energy balance      {} {:.2g} % of {:.3g} J lost", r.reliable() ? "closes to" : "is off by",
-                           100.0 * r.energy.relative(), r.energy.loss);
-    if (r.settled) text += fmt::format("; settling {:.2g} %", 100.0 * r.settling_residual);
+    if (judged) text = fmt::format("  energy balance      closes to {:.2g} % of {:.3g} J lost", 100.0 * r.energy.relative(), r.energy.loss);
+    if (const JudgedBalance& j = r.judged; j.ratio > 1.0)
+        text = fmt::format("  energy balance      is off by {:.2g} % of {:.3g} J lost from {:.6g} to {:.6g} s", 100.0 * j.relative, j.loss,
+                           j.begin, j.end);
+    const bool settled_wrongly = !r.reliable() && r.judged.ratio <= 1.0;
+    if (r.settled) text += fmt::format("; settling {:.2g} %{}", 100.0 * r.settling_residual, settled_wrongly ? " in a part of it" : "");
     text += r.reliable() ? "\n" : "\n  " + unreliable_text(r) + "\n";
     for (const Note& note : r.notes) text += fmt::format("  note                {}\n", note.text);
     return text;

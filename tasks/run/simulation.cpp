@@ -174,7 +174,8 @@ Fault RunPart::drive() {
 void RunPart::end_settling() {
     time_ = 0.0;
     move_offset();
-    begin(0.0, false, workspace_.energy.balance_error_ratio(), workspace_.energy.balance().relative());
+    const JudgedBalance judged = workspace_.energy.judged();
+    begin(0.0, false, judged.ratio, judged.ratio > 1.0 ? judged.relative : workspace_.energy.balance().relative());
 }
 
 void RunPart::move_offset() {

@@ -171,13 +171,13 @@ void EnergyLedger::Memory::close_sample(double time) noexcept {
         judged_from = time < 0.0 ? 0.5 * time : time;
         all = part = here();
     }
-    if (time - part.begin >= window) close_window();
+    if (time - part.begin >= std::clamp(pin_period, window, longest_window)) close_window();
 }
 
 /// A residual that noise can explain is evaluated again; one that it cannot explain is kept.
 void EnergyLedger::Memory::close_window() noexcept {
     const EnergyBalance closed = balance_since(part);
-    if (part.begin >= judged_from) max_error_ratio = std::max(max_error_ratio, closed.balance_error_ratio(part.begin < 0.0));
+    if (const JudgedBalance now = judge(part); part.begin >= judged_from && now.ratio > worst.ratio) worst = now;
     dense_sampling = std::abs(closed.residual()) > closed.expected_residual() ? 1.0 : 0.0;
     part = here();
 }
@@ -198,11 +198,17 @@ EnergyBalance EnergyLedger::Memory::balance_since(const EnergyMark& span) const 
             now.samples - span.samples};
 }
 
-double EnergyLedger::balance_error_ratio(const std::optional<EnergyMark>& from) const noexcept {
-    double most = m_.max_error_ratio;
-    for (const EnergyMark& span : {from.value_or(m_.all), m_.part})
-        most = std::max(most, balance(span).balance_error_ratio(span.begin < 0.0));
+JudgedBalance EnergyLedger::judged(const std::optional<EnergyMark>& from) const noexcept {
+    JudgedBalance most = m_.worst;
+    for (const EnergyMark& span : {from.value_or(m_.all), m_.part}) {
+        if (const JudgedBalance now = m_.judge(span); now.ratio > most.ratio) most = now;
+    }
     return most;
+}
+
+JudgedBalance EnergyLedger::Memory::judge(const EnergyMark& span) const noexcept {
+    const EnergyBalance balance = balance_since(span);
+    return {balance.balance_error_ratio(span.begin < 0.0), span.begin, sampled, balance.relative(), balance.loss};
 }
 
 EnergySums EnergyLedger::sums(double time) const noexcept {
@@ -293,7 +299,7 @@ void EnergyLedger::Memory::visit(AnyMemory& m, Visitor&& visitor) {
     field("outputs", m.outputs), field("output_time", m.output_time);
     constexpr const char* of_span = ": begin, loss, work, stored, through, noise, samples";
     field(of_span, m.all), field(of_span, m.part);
-    field("worst", m.max_error_ratio), field("doubt", m.dense_sampling), field("judged_from", m.judged_from);
+    field("worst: ratio, begin, end, relative, loss", m.worst), field("doubt", m.dense_sampling), field("judged_from", m.judged_from);
     PastSums::visit(m.past, field);
 }
 

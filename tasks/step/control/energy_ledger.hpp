@@ -140,10 +140,17 @@ struct EnergyMark {
     double begin = 0.0, loss = 0.0, work = 0.0, stored = 0.0, energy_in = 0.0, noise = 0.0, samples = 0.0;  ///< [s], [J], samples [1]
 };
 
+/// A balance that was judged. Numbers only.
+struct JudgedBalance {
+    double ratio = 0.0;                                         ///< |residual| over its tolerance [1]
+    double begin = 0.0, end = 0.0, relative = 0.0, loss = 0.0;  ///< [s]; residual over loss [1], [J]
+};
+
 class EnergyLedger {
 public:
-    /// Time after which a balance is judged by itself [s]: what went wrong once is not forgotten in what follows.
-    static constexpr double window = 2e-3;
+    /// Least time after which a balance is judged by itself [s], a pin period where that is longer, as pins that strike their sheaves store
+    /// energy: what went wrong once is not forgotten in what follows. A chain that nearly stands is judged after `longest_window`.
+    static constexpr double window = 2e-3, longest_window = 0.1;
     /// Time after a jump, the beginning among them, in which samples lie closer [s].
     static constexpr double dense_time = 5e-4;
     static constexpr double closer = 8.0;  ///< factor by which samples lie closer in dense sampling
@@ -185,9 +192,10 @@ public:
     [[nodiscard]] EnergyBalance balance(const std::optional<EnergyMark>& from = {}) const noexcept {
         return m_.balance_since(from.value_or(m_.all));
     }
-    /// |residual| over its tolerance, the largest of all windows, of the present one and of the whole since a mark, or the beginning; > 1:
-    /// the results are wrong.
-    [[nodiscard]] double balance_error_ratio(const std::optional<EnergyMark>& from = {}) const noexcept;
+    /// The balance that is farthest from closing: of all windows, of the present one and of the whole since a mark, or the beginning.
+    [[nodiscard]] JudgedBalance judged(const std::optional<EnergyMark>& from = {}) const noexcept;
+    /// Its ratio; > 1: the results are wrong.
+    [[nodiscard]] double balance_error_ratio(const std::optional<EnergyMark>& from = {}) const noexcept { return judged(from).ratio; }
 
     /// Mean torque of the chain on the sheaves of each shaft since the output before `time`, which is now: their change of momentum less
     /// the outside's impulse [N·m]. Not a number at the first output and before. Does not change the ledger: results do not depend on when
@@ -219,7 +227,8 @@ private:
         std::array<double, 2> chain_torque;                     ///< [N·m]
         double outputs, output_time;                            ///< [1, s]
         EnergyMark all, part;                                   ///< begins of the judged spans: all, and the present window
-        double max_error_ratio, dense_sampling;                 ///< dense_sampling: 1 while samples lie close [1]
+        JudgedBalance worst;                                    ///< of the windows that are closed
+        double dense_sampling;                                  ///< 1 while samples lie close [1]
         double judged_from;  ///< windows that begin earlier do not count: the start of settling (t < 0) [s]
         PastSums past;       ///< sums at outputs
 
@@ -227,6 +236,7 @@ private:
         [[nodiscard]] std::array<double, 2> torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept;
         [[nodiscard]] EnergyMark here() const noexcept;
         [[nodiscard]] EnergyBalance balance_since(const EnergyMark& span) const noexcept;
+        [[nodiscard]] JudgedBalance judge(const EnergyMark& span) const noexcept;
         /// Everything about a sample is known but for its consequences. time [s]
         void close_sample(double time) noexcept;
         void close_window() noexcept;
