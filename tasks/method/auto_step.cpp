@@ -47,9 +47,9 @@ constexpr double steps_per_rigid_pin = 80.0, steps_per_pin_of_halves = 185.0;
 [[nodiscard]] double within(double reach, double extent) noexcept { return extent > 0.0 ? reach / extent : forever; }
 
 /// Largest damping δ over the frequency of filtered waves with which they are stable to the limit without damping. Dampers in proportion to
-/// stiffness make x (1 - β x) at x = h²ω² larger by 1 + 2 δ/(h ω²); its largest value, 1/(4 β) at h ω = 1/√(2 β), is 3.57 of 4 with β =
-/// 0.07, which leaves 0.12, and 0.12/2 · 2.67 = 0.16 of the frequency.
-constexpr double filtered_damping = 0.16;
+/// stiffness make x (1 - β x) at x = h²ω² larger by 1 + 4 δ/(h ω²); its largest value, 1/(4 β) at h ω = 1/√(2 β), is 3.57 of 4 with β =
+/// 0.07, which leaves 0.12, and 0.12/4 · 2.67 = 0.08 of the frequency.
+constexpr double filtered_damping = 0.08;
 
 /// Longest stable step of an oscillation ω with an explicit damping δ. A leapfrog that takes the damping at velocities extrapolated to the
 /// middle of the step is stable up to (h ω/2)² + h δ = 1. Where friction beside it takes some of the stability away, shares add up instead:
