@@ -116,8 +116,9 @@ RigidColumns RigidModel::columns() const {
 
 void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     link_forces(kick, columns, f);
-    plate_friction(sheaves, kick, columns, f);
-    tip_forces(sheaves, kick, columns, f);
+    press(sheaves, kick, columns);
+    plate_friction(kick, columns, f);
+    rub(sheaves, kick, columns, f);
     sum_forces(kick, columns, f);
 }
 
@@ -128,20 +129,21 @@ void RigidModel::link_forces(const RigidKick& kick, RigidColumns& columns, Rigid
     kernels_.link_forces(coefficients_, kick, columns, f.account);
     kernels_.joint_forces(coefficients_, kick, columns, f.account);
     kernels_.sum_link_forces(columns);
-    if (kick.implicit()) kernels_.filter_waves(coefficients_, kick, columns);
+    if (kick.implicit()) kernels_.filter_waves(coefficients_, kick, columns, f.account);
     if (coefficients_.guide.present) kernels_.guide(coefficients_, kick, columns, f.account);
 }
 
-void RigidModel::plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
-    if (sheaves != nullptr && !kick.implicit()) kernels_.axial_rates(coefficients_, sheaves, columns);
+void RigidModel::press(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) const noexcept {
+    if (sheaves != nullptr) (kick.implicit() ? kernels_.press : kernels_.press_now)(coefficients_, sheaves, kick, columns);
+}
+
+void RigidModel::plate_friction(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     kernels_.plate_friction(coefficients_, kick, columns, f.account);
 }
 
-void RigidModel::tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
+void RigidModel::rub(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
     f.reaction = {};
-    if (sheaves == nullptr) return;
-    const auto press = kick.implicit() ? kernels_.tips : kernels_.tips_now;
-    press(coefficients_, sheaves, kick, columns, f.reaction, f.account);
+    if (sheaves != nullptr) (kick.implicit() ? kernels_.rub : kernels_.rub_now)(coefficients_, columns, f.reaction, f.account);
 }
 
 void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {

@@ -37,8 +37,9 @@ public:
 
     // Parts of accelerate(), one after the other.
     void link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
-    void plate_friction(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
-    void tip_forces(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
+    void press(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) const noexcept;  ///< arguments live until rub()
+    void plate_friction(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
+    void rub(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
     void sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
 
     /// Scale of a coordinate or velocity of the columns over that of a state.

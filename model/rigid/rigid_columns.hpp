@@ -17,6 +17,9 @@ inline constexpr int rigid_coordinates = 8;  ///< coordinates per pin: x, y, z, 
 inline constexpr int rigid_tips = 4;         ///< tips per pin: front half at -z and +z, rear half at -z and +z
 inline constexpr double far_depth = -1.0;    ///< depth of tips that are far from any sheave [m]
 
+/// Memory that tips need between their normal forces and their friction: for the chain and for each eight pins [bytes].
+inline constexpr std::size_t held_at_least = 8192, held_per_block = 16384;
+
 /// Entry of pin 0; entries -1 … padded() + lanes - 1 exist.
 using Row = double*;
 struct PlaneRow {
@@ -62,7 +65,7 @@ struct PitchLineRows {
     PlaneRow direction;  ///< t
     Row inverse;         ///< 1/ℓ [1/m]
     Row turn;            ///< θ': turning rate [rad/s]
-    Row turn_ahead;      ///< θ' at the end of the step, extrapolated from this step and the last one [rad/s]
+    Row turn_ahead;      ///< θ' at the time of the coordinates, extrapolated from this step and the last one [rad/s]
     [[nodiscard]] RowRange rows() const noexcept { return {direction.x, turn_ahead}; }
 };
 
@@ -73,7 +76,7 @@ struct RollingRows {
     Row across;             ///< factor of b (b·f) in A f [m]
     PlaneRow offset;        ///< u: front half against rear half [m]
     PlaneRow offset_rate;   ///< u' [m/s]
-    PlaneRow offset_ahead;  ///< u' at the end of the step, by turn_ahead [m/s]
+    PlaneRow offset_ahead;  ///< u' by turn_ahead [m/s]
     [[nodiscard]] RowRange rows() const noexcept { return {bisector.x, offset_ahead.y}; }
 };
 
@@ -108,24 +111,26 @@ struct DampingRows {
     Row bend_across;     ///< force against the rate of a pin's bending across the travel [N]
     Row guide;           ///< force of a guide against a pin's approach [N]
     Row guide_friction;  ///< force of a guide against a pin's speed along the strand [N]
-    [[nodiscard]] RowRange rows() const noexcept { return {stretch, guide_friction}; }
+    Row wave;            ///< force of the filter of the waves against the rate of a pitch line's length [N]
+    Row wave_yaw;        ///< force of this filter against the rate of a link's yaw [N]
+    [[nodiscard]] RowRange rows() const noexcept { return {stretch, wave_yaw}; }
+    [[nodiscard]] RowRange waves() const noexcept { return {wave, wave_yaw}; }
 };
 
 /// Joint between the halves of a pin, and the friction between them along z.
 struct JointRows {
-    PlaneRow offset_moment;        ///< A g of the links' forces [N·m]
-    Row rolling_moment;            ///< resistance to rolling [N·m]
-    Row bend_moment;               ///< moment of a pin's bending on each of its two pitch lines [N·m]
-    Row normal;                    ///< N_j: normal force between the halves [N]
-    Row friction;                  ///< J: friction against ζ' [N]
-    Row friction_before;           ///< J of the last step [N]
-    Row slip;                      ///< ζ' at the end of the step [m/s]
-    Row slip_before;               ///< slip of the last step [m/s]
-    Row free_slip;                 ///< ζ' without this friction [m/s]
-    Row secant;                    ///< friction per free sliding speed [N·s/m]
-    Row coupling;                  ///< β: share of a force parting the halves that friction between them takes, 0 … 1
-    Row axial_free_speed;          ///< z' without friction of plates [m/s]
-    Row tip_force_slide_expected;  ///< force of the tips on ζ that the frictions along the pin count with [N]
+    PlaneRow offset_moment;  ///< A g of the links' forces [N·m]
+    Row rolling_moment;      ///< resistance to rolling [N·m]
+    Row bend_moment;         ///< moment of a pin's bending on each of its two pitch lines [N·m]
+    Row normal;              ///< N_j: normal force between the halves [N]
+    Row friction;            ///< J: friction against ζ' [N]
+    Row friction_before;     ///< J of the last step [N]
+    Row slip;                ///< ζ' when friction acts [m/s]
+    Row slip_before;         ///< slip of the last step [m/s]
+    Row free_slip;           ///< ζ' without this friction [m/s]
+    Row secant;              ///< friction per free sliding speed [N·s/m]
+    Row coupling;            ///< β: share of a force parting the halves that friction between them takes, 0 … 1
+    Row axial_free_speed;    ///< z' without friction of plates [m/s]
 };
 
 /// Friction between the plates of link i and its pins along z. Low and high: half of the plates each, at -z and at +z.
@@ -135,8 +140,8 @@ struct PlateRows {
     Row moment;            ///< Π: friction of the plates at +z less that of those at -z [N]
     Row friction_before;   ///< P of the last step [N]
     Row moment_before;     ///< Π of the last step [N]
-    Row slip_low;          ///< sliding speed at the end of the step [m/s]
-    Row slip_high;         ///< sliding speed at the end of the step [m/s]
+    Row slip_low;          ///< sliding speed when friction acts [m/s]
+    Row slip_high;         ///< sliding speed when friction acts [m/s]
     Row slip_low_before;   ///< slip_low of the last step [m/s]
     Row slip_high_before;  ///< slip_high of the last step [m/s]
     Row free_slip;         ///< sliding speed without plate friction [m/s]
@@ -148,12 +153,9 @@ struct PlateRows {
 
 /// Tips of a pin together. Depth holds for velocities as they are (RigidKick), too.
 struct TipRows {
-    Row near;          ///< > 0: the pin may touch until near pins are found again
-    Row blocks;        ///< entry 0: time for which they are valid [s]; then 1 + first pin of each block of eight that is computed, and 0
-    TipRow depth;      ///< δ_0: depth of each tip, `far_depth` of pins that certainly do not touch [m]
-    Row stiffness[2];  ///< stiffness of the front, the rear half's tips against its motion along z [N/m]
-    Row loading[2];    ///< rate of the force on each half if it stood still along z [N/s]
-    Row damping[2];    ///< damping of each half's tips against its motion along z [N·s/m]
+    Row near;      ///< > 0: the pin may touch until near pins are found again
+    Row blocks;    ///< entry 0: time for which they are valid [s]; then 1 + first pin of each block of eight that is computed, and 0
+    TipRow depth;  ///< δ_0: depth of each tip, `far_depth` of pins that certainly do not touch [m]
     PlaneRow offset_moment;  ///< A g of the tips' forces [N·m]
     Row moment_of_half[2];   ///< moment of the front half's tips on the pitch line behind the pin, of the rear half's ahead [N·m]
     Row moment;              ///< moment of all tips on pitch line i [N·m]
@@ -171,14 +173,11 @@ struct TipRows {
     TipRow radius;            ///< distance from the axis [m]
     TipRow touching;          ///< 1 where the tip was last found to press, else 0
     TipRow remembered_speed;  ///< w: sliding speed that the friction of a tip follows by a law with memory [m/s]
-    [[nodiscard]] RowRange responses() const noexcept { return {stiffness[0], damping[1]}; }
     [[nodiscard]] RowRange moments() const noexcept { return {offset_moment.x, moment_of_half[1]}; }
     [[nodiscard]] RowRange forces() const noexcept { return {normal[0], radial[3]}; }
     [[nodiscard]] RowRange remembered() const noexcept { return {remembered_speed[0], remembered_speed[3]}; }
     /// Rows that are cleared at a pin that is no longer near, in two parts.
-    [[nodiscard]] std::array<RowRange, 2> written_rows() const noexcept {
-        return {RowRange{stiffness[0], moment_of_half[1]}, RowRange{force.middle.x, radius[3]}};
-    }
+    [[nodiscard]] std::array<RowRange, 2> written_rows() const noexcept { return {moments(), RowRange{force.middle.x, radius[3]}}; }
 };
 
 struct RigidRows {
@@ -204,7 +203,8 @@ public:
         : pins_(pins),
           padded_((pins + rigid_lanes - 1) / rigid_lanes * rigid_lanes),
           stride_(padded_ + 2 * rigid_lanes),
-          memory_(row_count * static_cast<std::size_t>(stride_), 0.0) {
+          memory_(row_count * static_cast<std::size_t>(stride_), 0.0),
+          held_(held_at_least + static_cast<std::size_t>(padded_ / rigid_lanes) * held_per_block) {
         std::array<Row, row_count> rows;
         for (std::size_t k = 0; k < row_count; ++k) rows[k] = memory_.data() + static_cast<std::ptrdiff_t>(k) * stride_ + rigid_lanes;
         std::memcpy(static_cast<RigidRows*>(this), rows.data(), sizeof(RigidRows));
@@ -244,10 +244,12 @@ public:
     }
 
     [[nodiscard]] int stride() const noexcept { return stride_; }
-    [[nodiscard]] std::size_t bytes() const noexcept { return memory_.size() * sizeof(double); }
+    [[nodiscard]] std::size_t bytes() const noexcept { return memory_.size() * sizeof(double) + held_.size(); }
+    /// Memory of the tips between their normal forces and their friction (rigid_tips.hpp).
+    [[nodiscard]] std::byte* held() const noexcept { return held_.data(); }
 
     /// Rows that the pins keep from step to step.
-    [[nodiscard]] std::array<RowRange, 15> kept() const noexcept {
+    [[nodiscard]] std::array<RowRange, 11> kept() const noexcept {
         return {RowRange{position.middle.x, velocity.bend.y},
                 damping.rows(),
                 wave.lasting(),
@@ -257,11 +259,7 @@ public:
                 RowRange{plate.friction, plate.slip_high_before},
                 RowRange{joint.friction, joint.slip_before},
                 tip.blocks,
-                tip.responses(),
                 tip.moment,
-                tip.force.z,
-                tip.force.slide,
-                tip.lengthening,
                 tip.forces()};
     }
 
@@ -270,6 +268,7 @@ private:
 
     int pins_, padded_, stride_;
     LineVector<double> memory_;
+    mutable LineVector<std::byte> held_;
 };
 
 }  // namespace cvtflow::model

@@ -10,10 +10,16 @@
 
 namespace cvtflow::model {
 
+/// Share of a step at whose velocities friction acts: ½ would take friction and velocities at one time, but leaves no damping of what
+/// friction couples and the solution does not know; with 0.55 machines with stiff sheaves gain energy.
+inline constexpr double friction_time = 0.7;
+
 /// Step of the implicit friction [s]; zero: friction of the velocities as they are.
 struct RigidKick {
     double step = 0.0;
     [[nodiscard]] constexpr bool implicit() const noexcept { return step > 0.0; }
+    /// Time from the velocities before a step to those whose friction acts in it [s].
+    [[nodiscard]] constexpr double until_friction() const noexcept { return friction_time * step; }
 };
 
 /// Reactions on the sheaves, extreme depths and radii (for faults).
@@ -50,19 +56,18 @@ struct RigidKernels {
     /// Sum of the links' forces on each pin, per coordinate.
     void (*sum_link_forces)(RigidColumns& columns) noexcept;
     /// Filters the waves of stretch and yaw, in a step.
-    void (*filter_waves)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept;
+    void (*filter_waves)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Adds the forces of guides to those on the pins.
     void (*guide)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
-    /// Rates at which pins lengthen along their axes, of velocities as they are. @param sheaves [4]
-    void (*axial_rates)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept;
-    /// Friction of plates along the pins, which lengthen at the same time: in a step, at the rate of the last one.
+    /// Normal forces of the tips, and their forces along the pins with the friction of the last step. The arguments but the last must live
+    /// until `rub`. @param sheaves [4]
+    using Press = void (*)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept;
+    Press press, press_now;  ///< in a step; at velocities as they are
+    /// Friction of plates along the pins, which lengthen at the same time, and of the halves of a pin on each other.
     void (*plate_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
-    /// Normal forces of the tips, and the friction that a step leaves. @param sheaves [4]
-    using Tips = void (*)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                          RigidReaction& reaction, Account& account) noexcept;
-    Tips tips;
-    /// Tips at velocities as they are, after axial_rates(). @param sheaves [4]
-    Tips tips_now;
+    /// Friction of the tips that press() found, and the sums of their forces.
+    using Rub = void (*)(const RigidCoefficients& c, RigidColumns& columns, RigidReaction& reaction, Account& account) noexcept;
+    Rub rub, rub_now;
     /// Friction of the halves of a pin on each other, after the tips.
     void (*joint_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Accelerations by the sum of all forces, then as `kick` over the step.

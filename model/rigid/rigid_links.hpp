@@ -19,7 +19,7 @@ inline void pitch_lines(RigidColumns& columns) noexcept {
         write(columns.line.direction, i, line);
         write(columns.line.inverse, i, inverse);
         const PinLanes turn = cross(line, rate) * inverse;
-        write(columns.line.turn_ahead, i, 2.0 * turn - read(columns.line.turn, i));
+        write(columns.line.turn_ahead, i, 1.5 * turn - 0.5 * read(columns.line.turn, i));
         write(columns.line.turn, i, turn);
     }
     wrap(columns, columns.line.rows());
@@ -228,24 +228,28 @@ inline void sum_link_forces(RigidColumns& columns) noexcept {
     }
 }
 
-/// Forces of the filter on the pin at the front of a link: on its middle, and on p and q.
+/// Forces of the filter on a link, and on the pin at its front: on its middle, and on p and q.
 struct WaveThrust {
+    PinLanes stretch, yaw;
     Plane pull, twist;
 };
 
 /// Filter of the fastest waves along the chain, which would set the length of the step. The forces of stretch and yaw are those of
 /// u + β h² u'', so that a leapfrog is stable up to h ω = 1/√β instead of 2. u'' is that by the forces of links alone and of tips as they
-/// last: friction of the last step's tips would pull back with a delay. At rest u'' is zero, and statics stay.
-inline void filter_waves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {
+/// last: friction of the last step's tips would pull back with a delay. At rest u'' is zero, and statics stay. What the forces take from
+/// the motion is a loss of the plates.
+inline void filter_waves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
     wrap(columns, columns.wave.forces());
+    PinSum lost(columns);
     const double share = wave_filter * kick.step * kick.step;
     const PinLanes pull(share * c.pull.stiffness), per_mass(1.0 / c.mass), yaw(share / c.tilt_mass);
+    const auto along = [&](const PlaneRow& of, int i) { return dot(read(columns.line.direction, i), read(of, i + 1) - read(of, i)); };
     const auto thrust = [&](int i) -> WaveThrust {
         const Plane t = read(columns.line.direction, i);
-        const auto along = [&](const PlaneRow& of) { return dot(t, read(of, i + 1) - read(of, i)); };
         const PinLanes turn = read(columns.line.turn, i);
-        const PinLanes stretching = per_mass * along(columns.wave.force) + turn * turn / read(columns.line.inverse, i);
-        return {(pull * stretching) * t, (yaw * read(columns.constants.yaw_stiffness, i) * along(columns.wave.end_force)) * t};
+        const PinLanes stretch = pull * (per_mass * along(columns.wave.force, i) + turn * turn / read(columns.line.inverse, i)),
+                       yawing = yaw * read(columns.constants.yaw_stiffness, i) * along(columns.wave.end_force, i);
+        return {stretch, yawing, stretch * t, yawing * t};
     };
     WaveThrust last = thrust(-1);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
@@ -253,9 +257,12 @@ inline void filter_waves(const RigidCoefficients& c, const RigidKick& kick, Rigi
         const Plane pull_behind = i == 0 ? last.pull : shifted_by_one_pin(last.pull, ahead.pull);
         const Plane twist_behind = i == 0 ? last.twist : shifted_by_one_pin(last.twist, ahead.twist);
         last = ahead;
+        lost.add(i, drag_power(kick, columns.damping.wave, i, ahead.stretch, along(columns.velocity.middle, i)) +
+                        drag_power(kick, columns.damping.wave_yaw, i, ahead.yaw, along(columns.velocity.end, i)));
         write(columns.force.middle, i, read(columns.force.middle, i) + (ahead.pull - pull_behind));
         write(columns.force.end, i, read(columns.force.end, i) + (ahead.twist - twist_behind));
     }
+    account.lose(Loss::plate_damping, lost.value());
 }
 
 }  // namespace

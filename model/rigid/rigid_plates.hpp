@@ -33,12 +33,8 @@ inline void solve_friction(RigidColumns& columns) noexcept {
     return c.plate_reach * (read(columns.tip.lengthening, i + 1) - read(columns.tip.lengthening, i));
 }
 
-/// Share of the change of the tips' normal forces since the last step that friction along the pins takes into account. With the rest, pins
-/// that plates hold oscillate with the factor h² tip_stiffness/m, at most 4 for any stable step of a leapfrog.
-constexpr double expected_share = 0.75;
-
-/// Sliding speed to be expected at the end of this step, extrapolated from those at the ends of the last two; the last one then becomes the
-/// one before. With the sliding speed of the last step friction lags by a step, which is most of a step's error.
+/// Sliding speed to be expected when friction acts, extrapolated from those of the last two steps; the last one then becomes the one
+/// before. With the sliding speed of the last step friction lags by a step, which is most of a step's error.
 [[nodiscard, gnu::always_inline]] inline PinLanes expected_slip(Row slip, Row before, int i) noexcept {
     const PinLanes last = read(slip, i), expected = abs(2.0 * last - read(before, i));
     write(before, i, last);
@@ -54,42 +50,30 @@ constexpr double expected_share = 0.75;
     write(columns.joint.coupling, i, per_slide * held);
 }
 
-/// Velocities of the pins and of their halves on each other along z, and the friction per speed of the halves, before plates rub. Forces of
-/// the tips are those of the last step and their expected change: by the tips' stiffness, and by their damping as velocities changed in the
-/// last step.
+/// Velocities of the pins and of their halves on each other along z, and the friction per speed of the halves, before plates rub. Tips have
+/// the friction of the last step.
 inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {
-    const PinLanes half_share(0.5 * expected_share * kick.step), half_step(0.5 * kick.step);
-    const PinLanes per_slide(kick.step / c.slide_mass), per_mass(kick.step / c.mass);
+    const PinLanes per_slide(kick.until_friction() / c.slide_mass), per_mass(kick.until_friction() / c.mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes along = read(columns.velocity.z, i), apart = read(columns.velocity.slide, i);
-        const PinLanes faster = kick.implicit() ? read(columns.acceleration.z, i) : PinLanes(0.0),
-                       parting = kick.implicit() ? 0.5 * read(columns.acceleration.slide, i) : PinLanes(0.0);
-        const auto half_change = [&](int half, const PinLanes& speed, const PinLanes& acceleration) {
-            const PinLanes stiffness = read(columns.tip.stiffness[half], i);
-            return half_share * (read(columns.tip.loading[half], i) - stiffness * speed) -
-                   half_step * (read(columns.tip.damping[half], i) * acceleration);
-        };
-        const PinLanes front = half_change(0, along + 0.5 * apart, faster + parting),
-                       rear = half_change(1, along - 0.5 * apart, faster - parting);
-        const PinLanes on_slide = read(columns.tip.force.slide, i) + (front - rear);
-        const PinLanes on_pin = read(columns.force.z, i) + read(columns.tip.force.z, i) + 2.0 * (front + rear);
-        const PinLanes drive = apart + per_slide * (read(columns.force.slide, i) + on_slide);
+        const PinLanes on_pin = read(columns.force.z, i) + read(columns.tip.force.z, i),
+                       on_slide = read(columns.force.slide, i) + read(columns.tip.force.slide, i);
+        const PinLanes drive = read(columns.velocity.slide, i) + per_slide * on_slide;
         const PinLanes speed = kick.implicit() ? expected_slip(columns.joint.slip, columns.joint.slip_before, i) : abs(drive);
-        write(columns.joint.axial_free_speed, i, along + per_mass * on_pin);
-        write(columns.joint.tip_force_slide_expected, i, on_slide);
+        write(columns.joint.axial_free_speed, i, read(columns.velocity.z, i) + per_mass * on_pin);
         write(columns.joint.free_slip, i, drive);
         write_joint_secant(c, columns, i, per_slide, speed);
     }
-    wrap(columns, {columns.joint.free_slip, columns.joint.tip_force_slide_expected});
+    wrap(columns, {columns.joint.free_slip, columns.joint.axial_free_speed});
 }
 
-/// Friction of the halves of a pin on each other along it, after that of the plates on both and with the expected forces of the tips.
+/// Friction of the halves of a pin on each other along it, after that of the plates on both and with the tips' friction of the last step,
+/// whose part is then taken from the free speed.
 inline void joint_friction_expected(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {
-    const PinLanes per_slide(kick.step / c.slide_mass);
+    const PinLanes per_slide(kick.until_friction() / c.slide_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes plates = 0.5 * (read(columns.plate.friction, i - 1) + read(columns.plate.friction, i));
         const PinLanes drive = read(columns.joint.free_slip, i) - per_slide * plates;
-        write(columns.joint.free_slip, i, drive);
+        write(columns.joint.free_slip, i, drive - per_slide * read(columns.tip.force.slide, i));
         write(columns.joint.friction, i, read(columns.joint.secant, i) * drive);
     }
     wrap(columns, columns.joint.friction);
@@ -98,10 +82,9 @@ inline void joint_friction_expected(const RigidCoefficients& c, const RigidKick&
 /// Updates the friction of the joints with the tips' forces of this step.
 inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
     PinSum lost(columns);
-    const PinLanes per_slide(kick.step / c.slide_mass);
+    const PinLanes per_slide(kick.until_friction() / c.slide_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const PinLanes change = read(columns.tip.force.slide, i) - read(columns.joint.tip_force_slide_expected, i);
-        const PinLanes drive = read(columns.joint.free_slip, i) + per_slide * change;
+        const PinLanes drive = read(columns.joint.free_slip, i) + per_slide * read(columns.tip.force.slide, i);
         const PinLanes friction = read(columns.joint.secant, i) * drive;
         const PinLanes acting = kick.implicit() ? 0.5 * (friction + read(columns.joint.friction_before, i)) : friction;
         lost.add(i, acting * read(columns.velocity.slide, i));
@@ -132,7 +115,7 @@ inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
 
 /// Sliding speeds of the plates before they rub, their friction per sliding speed, and the friction at those speeds.
 inline void grip_plates(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns) noexcept {
-    const PinLanes per_mass(kick.step / c.mass);
+    const PinLanes per_mass(kick.until_friction() / c.mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes capacity = plate_capacity(c, columns, i), parting = plate_parting(c, columns, i);
         const PinLanes drive = free_slip_of_plates(columns, i);
@@ -156,7 +139,7 @@ inline void grip_plates(const RigidCoefficients& c, const RigidKick& kick, const
 /// Renews the friction per speed of plates and joints at the sliding speeds that the solution leaves, and the friction of each link beside
 /// that of its neighbours. Friction at expected speeds lags behind where a contact begins or ceases to slide.
 inline void renew_friction(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns) noexcept {
-    const PinLanes per_mass(kick.step / c.mass), per_slide(kick.step / c.slide_mass);
+    const PinLanes per_mass(kick.until_friction() / c.mass), per_slide(kick.until_friction() / c.slide_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         write(columns.plate.slip_low, i, read(columns.plate.free_slip, i) + per_mass * slowing(columns, i));
         const PinLanes plates = 0.5 * (read(columns.plate.friction, i - 1) + read(columns.plate.friction, i));
@@ -184,11 +167,11 @@ inline void renew_friction(const RigidCoefficients& c, const RigidKick& kick, co
     wrap(columns, columns.plate.friction);
 }
 
-/// Friction of the plates of neighbouring links along the pin that they share, and of its halves on each other. The sliding speeds at the
-/// end of the step are kept for the next one. The loss by the pins' lengthening is counted with the tips that do its work.
+/// Friction of the plates of neighbouring links along the pin that they share, and of its halves on each other. The sliding speeds with
+/// it are kept for the next step. The loss by the pins' lengthening is counted with the tips that do its work.
 inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
     PinSum lost(columns);
-    const PinLanes per_mass(kick.step / c.mass);
+    const PinLanes per_mass(kick.until_friction() / c.mass);
     wrap(columns, columns.tip.lengthening);
     free_slips(c, kick, columns);
     grip_plates(c, kick, columns);
@@ -235,8 +218,8 @@ struct TipMoment {
 }
 
 /// Share of a step in the low pass by which forces of tips last: their friction is that of the step before and would pull the waves back
-/// with a delay; with less, what pins that enter and leave sheaves do to the filter is felt in the energy balance.
-constexpr double lasting_share = 0.3;
+/// with a delay. With 0.3 waves of a slow chain grow where `chain.damping_ratio` is 0.003.
+constexpr double lasting_share = 0.1;
 
 /// Accelerations and, over the step, kick_pins(). @return as kick_pins()
 inline double accelerate_pins(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {

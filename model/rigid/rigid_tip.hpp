@@ -1,6 +1,6 @@
 #pragma once
-/// One tip of rigid pins side by side: place on its sheave, normal force, sliding velocity, effect on both bodies, and change of its force
-/// along z as its half moves. (model/EQUATIONS.md section 11)
+/// One tip of rigid pins side by side: place on its sheave, normal force, sliding velocity, and effect on both bodies.
+/// (model/EQUATIONS.md section 11)
 
 #include <algorithm>
 #include <array>
@@ -226,21 +226,6 @@ template <int W>
     to[4] += f.push_z + f.friction_z;
     to[5] += cross(tip.point, f.friction);
 }
-
-/// Response of both tips of a half to its motion along z. Stiffness and loading are over the stiffness of a tip per η, damping over χ_T.
-template <int W>
-struct AxialResponse {
-    Lanes<W> stiffness{0.0};  ///< stiffness against motion along z
-    Lanes<W> loading{0.0};    ///< rate of change of the force [m/s]
-    Lanes<W> damping{0.0};    ///< damping against motion along z [N]
-
-    /// @param rate δ_0' [m/s]
-    [[gnu::always_inline]] void add(const TipPlace<W>& tip, const RigidNormalForce<W>& n, const Lanes<W>& rate) noexcept {
-        stiffness += n.shortening * (tip.in * tip.in);
-        loading += n.shortening * (rate * tip.normal_z);
-        damping += n.elastic * (tip.in * tip.in);
-    }
-};
 
 }  // namespace
 }  // namespace cvtflow::model

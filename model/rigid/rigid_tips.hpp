@@ -3,6 +3,7 @@
 /// sheaves. (model/EQUATIONS.md section 11)
 
 #include <algorithm>
+#include <new>
 
 #include "model/rigid/near_pins.hpp"
 #include "model/rigid/rigid_links.hpp"
@@ -63,60 +64,65 @@ public:
         });
     }
 
+    /// Normal forces; and forces along z with the friction of the last step.
     [[gnu::always_inline]] void press(const SheaveMotion* sheaves, TipAccount<W>& account) noexcept {
         motion_.read_rates(sheaves);
-        V stored(0.0), damped(0.0), shortened(0.0);
-        for (std::size_t half = 0; half < 2; ++half) {
-            AxialResponse<W> response;
-            for (std::size_t k = 2 * half; k < 2 * half + 2; ++k) {
-                Tip& tip = tips_[k];
-                const V rate = depth_rate<W>(*tip.half, *tip.side, tip, n_.lead);
-                RigidNormalForce<W> n;
-                rigid_normal_force<W>(n_, tip.depth, rate, n);
-                const V shortening = n.shortening * rate;
-                tip.normal_force = n.force, tip.shortening = n.shortening, tip.root_depth = n.root_depth;
-                tip.begin = tip_slip<W>(n_, *tip.half, *tip.side, tip, shortening);
-                tip.old = {convert<W>(pins_.read(tip_.tangential[k])), convert<W>(pins_.read(tip_.radial[k]))};
-                shortened += shortening;
-                response.add(tip, n, rate);
-                pins_.write(tip_.normal[k], widened<W>(n.force));
-                stored += n.energy;
-                const V drag = n.force - n.elastic;  // as in drag_power()
-                damped += (implicit ? 0.5 * (drag + convert<W>(pins_.read(tip_.damping_force[k]))) : drag) * rate;
-                pins_.write(tip_.damping_force[k], widened<W>(drag));
-            }
-            store(half, response);
+        V stored(0.0), damped(0.0);
+        shortened_ = V(0.0);
+        for (Tip& tip : tips_) {
+            const V rate = depth_rate<W>(*tip.half, *tip.side, tip, n_.lead);
+            RigidNormalForce<W> n;
+            rigid_normal_force<W>(n_, tip.depth, rate, n);
+            const V shortening = n.shortening * rate;
+            tip.normal_force = n.force, tip.shortening = n.shortening;
+            tip.begin = tip_slip<W>(n_, *tip.half, *tip.side, tip, shortening);
+            tip.friction = {convert<W>(pins_.read(tip_.tangential[tip.number])), convert<W>(pins_.read(tip_.radial[tip.number]))};
+            tip.capacity = capacity(tip, n.root_depth);
+            shortened_ += shortening;
+            pins_.write(tip_.normal[tip.number], widened<W>(n.force));
+            stored += n.energy;
+            const V drag = n.force - n.elastic;  // as in drag_power()
+            const Row dragged = tip_.damping_force[tip.number];
+            damped += (implicit ? 0.5 * (drag + convert<W>(pins_.read(dragged))) : drag) * rate;
+            pins_.write(dragged, widened<W>(drag));
         }
-        pins_.write(tip_.lengthening, widened<W>(V(-0.25) * shortened));
-        pull_ = pull(pins_.columns().plate.moment);
+        pins_.write(tip_.lengthening, widened<W>(V(-0.25) * shortened_));
         const V here = pins_.present();
-        account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(pins_.columns().plate.moment_before)) : pull_) * shortened);
         account.energy += here * stored;
         account.damping += here * damped;
+        if (!implicit) return;
+        pull_ = pull(pins_.columns().plate.moment);
+        const RigidTipForces<W> total = forces();
+        parting_ = V(0.5) * (total.z[0] - total.z[1]);
+        pins_.write(tip_.force.z, widened<W>(total.z[0] + total.z[1]));
+        pins_.write(tip_.force.slide, widened<W>(parting_));
     }
 
-    /// Friction at the end of the step, one contact of a pin after the other, each with the velocities after those before it; and the sums
-    /// of all forces.
+    /// Friction at `friction_time`, one contact of a pin after the other, each with the velocities after those before it, in two sweeps;
+    /// and the sums of all forces.
     [[gnu::always_inline]] void rub(ReactionSum<W>& reaction, TipAccount<W>& account) noexcept {
+        const V here = pins_.present();
+        pull_ = pull(pins_.columns().plate.moment);
+        account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(pins_.columns().plate.moment_before)) : pull_) * shortened_);
         VelocityChange change;
         if (implicit) predict(change);
+        for (int sweep = 0; sweep < (implicit ? 2 : 1); ++sweep) {
+            for (Tip& tip : tips_) rub(tip, change);
+        }
         V lost(0.0);
-        RigidSlip<W> of_tips[rigid_tips];
-        for (std::size_t k = 0; k < rigid_tips; ++k) of_tips[k] = friction(tips_[k], change, lost);
-        RigidTipForces<W> total;
-        const typename ReactionSum<W>::Shares shares(motion_.driven(), pins_.present());
+        for (const Tip& tip : tips_) lost += store(tip, change);
+        account.friction += here * lost;
+        RigidTipForces<W> total = forces();
+        const typename ReactionSum<W>::Shares shares(motion_.driven(), here);
         for (std::size_t end = 0; end < 2; ++end) {
-            const Tip &front = tips_[end], &rear = tips_[end + 2];
-            const PressedTip<W> tips[] = {pressed(front, of_tips[end]), pressed(rear, of_tips[end + 2])};
-            total.add(n_, front.side->side, tips);
-            total.add_moments(n_, front.side->side, tips);
+            const PressedTip<W> tips[] = {pressed(tips_[end]), pressed(tips_[end + 2])};
+            total.add_moments(n_, tips_[end].side->side, tips);
             std::array<V, 6> on_sheave;
             on_sheave.fill(V(0.0));
             for (const PressedTip<W>& tip : tips) add_on_sheave<W>(tip.place, tip.force, on_sheave);
-            show(front, tips[0].force), show(rear, tips[1].force);
+            show(tips_[end], tips[0].force), show(tips_[end + 2], tips[1].force);
             reaction.subtract(shares, end, on_sheave);
         }
-        account.friction += pins_.present() * lost;
         store(total);
     }
 
@@ -125,17 +131,19 @@ private:
         const HalfMotion<W>* half;
         const SideMotion<W>* side;
         std::size_t number;
-        V normal_force, shortening, root_depth;  ///< members of RigidNormalForce
-        RigidSlip<W> begin;                      ///< sliding velocity at the beginning of the step [m/s]
-        RigidSlip<W> old;                        ///< friction of the last step [N]
+        V normal_force, shortening;  ///< members of RigidNormalForce
+        V capacity;                  ///< capacity()
+        V factor;                    ///< friction per free sliding velocity [N·s/m]
+        RigidSlip<W> begin;          ///< sliding velocity at the beginning of the step [m/s]
+        RigidSlip<W> friction;       ///< friction of the last step, then of the last sweep [N]
     };
 
-    /// Changes of the pins' velocities in the step [m/s].
+    /// Changes of the pins' velocities until friction acts [m/s].
     struct VelocityChange {
         PlaneV middle, end;  ///< changes of the middle, with bending, and of the ends
         V z, apart;          ///< along z: mean of both halves, and of the front half against it
         V free_share;        ///< share of a parting force that friction between the halves leaves
-        PlaneV moved_on[2];  ///< change of the velocity against the sheave at -z, +z, as pin and sheave move by half a step
+        PlaneV moved_on[2];  ///< change of the velocity against the sheave at -z, +z, as pin and sheave move on
     };
 
     /// Λ/4 by the moments of plates.
@@ -150,51 +158,58 @@ private:
         pins_.write(tip_.sheave_axial[tip.number], widened<W>(-(force.push_z + force.friction_z)));
     }
 
-    [[nodiscard, gnu::always_inline]] PressedTip<W> pressed(const Tip& tip, const RigidSlip<W>& friction) const noexcept {
-        return {tip, *tip.half, rigid_tip_force<W>(tip, tip.normal_force, tip.shortening, pull_, friction)};
+    [[nodiscard, gnu::always_inline]] PressedTip<W> pressed(const Tip& tip) const noexcept {
+        return {tip, *tip.half, rigid_tip_force<W>(tip, tip.normal_force, tip.shortening, pull_, tip.friction)};
+    }
+    /// Forces of all tips on their pins.
+    [[nodiscard, gnu::always_inline]] RigidTipForces<W> forces() const noexcept {
+        RigidTipForces<W> total;
+        for (std::size_t end = 0; end < 2; ++end) total.add(n_, tips_[end].side->side, {pressed(tips_[end]), pressed(tips_[end + 2])});
+        return total;
     }
 
     /// Predicts the changes if friction stays constant.
     [[gnu::always_inline]] void predict(VelocityChange& change) noexcept {
-        RigidTipForces<W> total;
-        for (std::size_t end = 0; end < 2; ++end)
-            total.add(n_, tips_[end].side->side, {pressed(tips_[end], tips_[end].old), pressed(tips_[end + 2], tips_[end + 2].old)});
+        const RigidTipForces<W> total = forces();
         const RigidColumns& columns = pins_.columns();
         const PlaneV middle = n_.per_mass * (convert<W>(pins_.read(columns.force.middle)) + total.half[0] + total.half[1]);
         change.middle = middle + n_.per_bend * (convert<W>(pins_.read(columns.force.bend)) + total.bend);
         change.end = n_.per_tilt * (convert<W>(pins_.read(columns.force.end)) + total.end);
-        const D front = pins_.read(columns.plate.friction, -1), rear = pins_.read(columns.plate.friction),
-                tips = pins_.read(columns.joint.tip_force_slide_expected);
-        const D free = pins_.read(columns.force.slide) + tips - D(0.5) * (rear + front) - pins_.read(columns.joint.friction);
+        const D front = pins_.read(columns.plate.friction, -1), rear = pins_.read(columns.plate.friction);
+        const D free = pins_.read(columns.force.slide) - D(0.5) * (rear + front) - pins_.read(columns.joint.friction);
         change.free_share = convert<W>(D(1.0) - pins_.read(columns.joint.coupling));
         change.z = n_.per_mass * (convert<W>(pins_.read(columns.force.z) + (rear - front)) + (total.z[0] + total.z[1]));
-        change.apart = n_.per_half_mass * (convert<W>(free) + change.free_share * (V(0.5) * (total.z[0] - total.z[1]) - convert<W>(tips)));
+        change.apart =
+            n_.per_half_mass * (convert<W>(free) + parting_ + change.free_share * (V(0.5) * (total.z[0] - total.z[1]) - parting_));
         for (std::size_t end = 0; end < 2; ++end)
-            change.moved_on[end] = tips_[end].side->moved_on + tips_[end].side->turned_by * turned(middle);
+            change.moved_on[end] = tips_[end].side->moved_on + (V(2.0 * friction_time - 1.0) * tips_[end].side->turned_by) * turned(middle);
     }
 
-    /// Change of the sliding velocity by changes of the velocities: the pin has moved by half a step as well.
+    /// Change of the sliding velocity by changes of the velocities: the pin has moved as well.
     [[nodiscard, gnu::always_inline]] RigidSlip<W> slip_change(const Tip& tip, const VelocityChange& change) const noexcept {
         const V& side = tip.side->side;
         const PlaneV v = change.middle + (side * change.end - change.moved_on[end_of_tip(tip.number)]);
         return slip_of<W>(tip, v, change.z + V(sign_of(half_of_tip(tip.number))) * change.apart);
     }
 
-    /// Friction of a tip. The velocity after the friction of the last step is corrected by r times the change of friction, r the contact's
+    /// Friction of a tip. The velocity after the friction of before is corrected by r times the change of friction, r the contact's
     /// response.
-    [[gnu::always_inline]] RigidSlip<W> friction(const Tip& tip, VelocityChange& change, V& lost) noexcept {
-        const RigidSlip<W> old = tip.old;
+    [[gnu::always_inline]] void rub(Tip& tip, VelocityChange& change) noexcept {
+        const RigidSlip<W> old = tip.friction;
         const RigidSlip<W> free = implicit ? (tip.begin - n_.response * old) + slip_change(tip, change) : tip.begin;
         const V speed = sqrt(free.tangential * free.tangential + free.radial * free.radial);
-        const V factor = friction_factor<W>(c_.tip_friction, friction_limit(tip, speed), n_.response, speed);
-        const RigidSlip<W> force = (-factor) * free;
-        if (implicit) follow(tip, force - old, change);
-        const RigidSlip<W> mean = implicit ? V(0.5) * (free + n_.response * force + tip.begin) : free;
-        lost += -(force.tangential * mean.tangential + force.radial * mean.radial);
-        pins_.write(tip_.tangential[tip.number], widened<W>(force.tangential));
-        pins_.write(tip_.radial[tip.number], widened<W>(force.radial));
-        pins_.write(tip_.grip[tip.number], widened<W>(implicit ? factor / (1.0 - n_.response * factor) : factor));
-        return force;
+        tip.factor = friction_factor<W>(c_.tip_friction, friction_limit(tip, speed), n_.response, speed);
+        tip.friction = (-tip.factor) * free;
+        if (implicit) follow(tip, tip.friction - old, change);
+    }
+    /// Writes the friction of a tip. @return power that is lost, in a step at the mean of the velocities before and after [W]
+    [[nodiscard, gnu::always_inline]] V store(const Tip& tip, const VelocityChange& change) noexcept {
+        const RigidSlip<W>& f = tip.friction;
+        const RigidSlip<W> mean = implicit ? tip.begin + V(0.5 / friction_time) * slip_change(tip, change) : tip.begin;
+        pins_.write(tip_.tangential[tip.number], widened<W>(f.tangential));
+        pins_.write(tip_.radial[tip.number], widened<W>(f.radial));
+        pins_.write(tip_.grip[tip.number], widened<W>(implicit ? tip.factor / (1.0 - n_.response * tip.factor) : tip.factor));
+        return -(f.tangential * mean.tangential + f.radial * mean.radial);
     }
 
     /// Changes the velocities by a change of a tip's friction.
@@ -208,14 +223,18 @@ private:
         change.apart += V(sign_of(half_of_tip(tip.number))) * (change.free_share * along);
     }
 
-    /// Largest friction of a tip, by its law at the speed under friction, or at the remembered one.
-    /// @param v speed without friction
-    [[nodiscard, gnu::always_inline]] V friction_limit(const Tip& tip, const V& v) noexcept {
+    /// Largest friction of a tip [N]; a law without memory reduces it by the sliding speed.
+    [[nodiscard, gnu::always_inline]] V capacity(const Tip& tip, const V& root_depth) noexcept {
         const V limit = n_.friction * tip.normal_force;
         if (c_.tip_law == nullptr) return limit;
-        const V full = limit * pressure_factor<W>(*c_.tip_law, tip.root_depth), slowest(implicit ? c_.tip_friction.saturation_speed : 0.0);
-        if (c_.tip_law->memory > 0.0) return full * speed_factor<W>(*c_.tip_law, remember(tip));
-        return full * speed_factor<W>(*c_.tip_law, braked_speed<W>(*c_.tip_law, n_.response * full, v, slowest));
+        const V full = limit * pressure_factor<W>(*c_.tip_law, root_depth);
+        return c_.remembers() ? full * speed_factor<W>(*c_.tip_law, remember(tip)) : full;
+    }
+    /// The same by the law at the speed under friction. @param v speed without friction
+    [[nodiscard, gnu::always_inline]] V friction_limit(const Tip& tip, const V& v) const noexcept {
+        if (c_.tip_law == nullptr || c_.remembers()) return tip.capacity;
+        const V slowest(implicit ? c_.tip_friction.saturation_speed : 0.0);
+        return tip.capacity * speed_factor<W>(*c_.tip_law, braked_speed<W>(*c_.tip_law, n_.response * tip.capacity, v, slowest));
     }
 
     /// Remembered speed now. A tip without friction in the last step, and one at an instant, remembers its present speed.
@@ -225,7 +244,7 @@ private:
         const V speed = sqrt(slip.tangential * slip.tangential + slip.radial * slip.radial);
         V remembered = speed;
         if (implicit) {
-            const V rubbed = abs(tip.old.tangential) + abs(tip.old.radial);
+            const V rubbed = abs(tip.friction.tangential) + abs(tip.friction.radial);
             const V follows =
                 remembered_speed<W>(*c_.tip_law, c_.tip_friction.saturation_speed, kick_.step, convert<W>(pins_.read(row)), speed);
             remembered = select_greater<W>(rubbed, V(0.0), follows, speed);
@@ -234,11 +253,6 @@ private:
         return remembered;
     }
 
-    [[gnu::always_inline]] void store(std::size_t half, const AxialResponse<W>& of_half) noexcept {
-        pins_.write(tip_.stiffness[half], widened<W>(n_.stiffness * of_half.stiffness));
-        pins_.write(tip_.loading[half], widened<W>(n_.stiffness * (of_half.loading + of_half.stiffness * motion_.velocity_z(half))));
-        pins_.write(tip_.damping[half], widened<W>(n_.damping * of_half.damping));
-    }
     [[gnu::always_inline]] void store(const RigidTipForces<W>& total) noexcept {
         const PlaneV opening = V(0.5) * (total.half[0] - total.half[1]), sum = total.half[0] + total.half[1];
         pins_.over_blocks([&](int block) {
@@ -261,24 +275,33 @@ private:
     const TipRows& tip_;
     RigidTipMotion<W> motion_;
     Tip tips_[rigid_tips];
-    V pull_;  ///< Λ/4: a quarter of the force of plates that lengthens the pin [N]
+    V pull_;       ///< Λ/4: a quarter of the force of plates that lengthens the pin [N]
+    V shortened_;  ///< sum over the tips of the rates at which half pins shorten [m/s]
+    V parting_;    ///< force on ζ with the friction of the last step [N]
 };
 
-/// Sums over the tips of a whole chain.
+/// Tips of a whole chain in groups, between their normal forces and their friction, in the memory that the columns hold for them.
 template <int W, Evaluation evaluation>
-class TipSums {
-public:
-    TipSums(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick) noexcept : numbers_(c, sheaves, kick) {}
+class HeldTips {
+    using Group = TipGroup<W, evaluation>;
 
-    [[gnu::noinline]] void add(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, const RigidColumns& columns,
-                               const typename PinBlocks<W>::Blocks& blocks) noexcept {
-        TipGroup<W, evaluation> group(c, numbers_, sheaves, kick, columns, blocks);
+public:
+    HeldTips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick) noexcept : numbers_(c, sheaves, kick) {
+        static_assert(sizeof(HeldTips) <= held_at_least && sizeof(Group) * rigid_lanes <= held_per_block * lane_count<W>);
+    }
+
+    [[gnu::noinline]] void press(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick,
+                                 const RigidColumns& columns, const typename PinBlocks<W>::Blocks& blocks) noexcept {
+        Group& group = *new (groups() + count_) Group(c, numbers_, sheaves, kick, columns, blocks);
         group.place();
         group.bound(bounds_);
         if (evaluation == Evaluation::instant) group.show_depths();
         if (group.free()) return group.release();
         group.press(sheaves, account_);
-        group.rub(on_sheaves_, account_);
+        ++count_;
+    }
+    [[gnu::noinline]] void rub() noexcept {
+        for (int k = 0; k < count_; ++k) groups()[k].rub(on_sheaves_, account_);
     }
     void store(const RigidCoefficients& c, RigidReaction& reaction, Account& account) const noexcept {
         on_sheaves_.store(reaction.sheaves);
@@ -289,40 +312,51 @@ public:
         account.lose(Loss::plate_friction, total(account_.plates));
     }
 
+    int beyond = 0;  ///< pins of a block that continues with copies of the first ones
+
 private:
     [[nodiscard]] static double total(const Lanes<W>& terms) noexcept { return sum<lane_count<W>>(widened<W>(terms)); }
+    [[nodiscard]] Group* groups() noexcept { return reinterpret_cast<Group*>(this + 1); }
 
     TipNumbers<W> numbers_;
     TipAccount<W> account_;
     ReactionSum<W> on_sheaves_;
     TipBounds<W> bounds_;
+    int count_ = 0;
 };
+template <Evaluation evaluation>
+using Held = HeldTips<evaluation == Evaluation::step ? rigid_singles : rigid_lanes, evaluation>;
 
 /// Presses the tips of near pins over a step, in floats, two blocks at a time.
-inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                       RigidReaction& reaction, Account& account) noexcept {
+inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
     renew_near_pins(c, sheaves, kick, columns);
     if (c.remembers()) wrap(columns, columns.tip.remembered());
-    TipSums<rigid_singles, Evaluation::step> sums(c, sheaves, kick);
+    auto& tips = *new (columns.held()) Held<Evaluation::step>(c, sheaves, kick);
     PinBlock waiting{0, 0};
-    const int beyond = over_near_pins(columns, [&](const PinBlock& block) {
-        if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, block});
+    tips.beyond = over_near_pins(columns, [&](const PinBlock& block) {
+        if (waiting.count != 0) tips.press(c, sheaves, kick, columns, {waiting, block});
         waiting = waiting.count != 0 ? PinBlock{0, 0} : block;
     });
-    if (waiting.count != 0) sums.add(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
-    for (const RowRange& part : columns.tip.written_rows()) unwrap(columns, part, beyond);
-    if (c.remembers()) unwrap(columns, columns.tip.remembered(), beyond);
-    wrap(columns, {columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
-    sums.store(c, reaction, account);
+    if (waiting.count != 0) tips.press(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
+    for (const RowRange& part : columns.tip.written_rows()) unwrap(columns, part, tips.beyond);
+    if (c.remembers()) unwrap(columns, columns.tip.remembered(), tips.beyond);
 }
 
-/// Presses the tips with velocities as they are, in doubles, of pins that axial_rates() found near.
-inline void press_tips_now(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
-                           RigidReaction& reaction, Account& account) noexcept {
-    TipSums<rigid_lanes, Evaluation::instant> sums(c, sheaves, kick);
-    unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) { sums.add(c, sheaves, kick, columns, {block}); }));
+/// Finds the pins that may touch, and presses their tips with velocities as they are, in doubles.
+inline void press_tips_now(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
+    find_near_pins_now(c, sheaves, columns);
+    auto& tips = *new (columns.held()) Held<Evaluation::instant>(c, sheaves, kick);
+    tips.beyond = over_near_pins(columns, [&](const PinBlock& block) { tips.press(c, sheaves, kick, columns, {block}); });
+    unwrap_tips(columns, tips.beyond);
+}
+
+template <Evaluation evaluation>
+void rub_tips(const RigidCoefficients& c, RigidColumns& columns, RigidReaction& reaction, Account& account) noexcept {
+    auto& tips = *std::launder(reinterpret_cast<Held<evaluation>*>(columns.held()));
+    tips.rub();
+    for (const RowRange& part : columns.tip.written_rows()) unwrap(columns, part, tips.beyond);
     wrap(columns, {columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
-    sums.store(c, reaction, account);
+    tips.store(c, reaction, account);
 }
 
 inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept {
@@ -345,19 +379,6 @@ inline double contact_changes(const RigidColumns& columns) noexcept {
         }
     }
     return sum<rigid_lanes>(changes);
-}
-
-/// Finds the pins that may touch, and presses their tips for the rates at which they lengthen, which the friction of plates needs.
-inline void axial_rates(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept {
-    const RigidKick kick;
-    find_near_pins_now(c, sheaves, columns);
-    const TipNumbers<rigid_lanes> numbers(c, sheaves, kick);
-    TipAccount<rigid_lanes> ignored;
-    unwrap_tips(columns, over_near_pins(columns, [&](const PinBlock& block) {
-                    TipGroup<rigid_lanes, Evaluation::instant> group(c, numbers, sheaves, kick, columns, {block});
-                    group.place();
-                    if (!group.free()) group.press(sheaves, ignored);
-                }));
 }
 
 }  // namespace

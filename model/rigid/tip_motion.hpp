@@ -101,14 +101,14 @@ struct TipNumbers {
           bend_lever(c.bend_lever),
           bent_outward_per_half(c.bend_slope * c.outward / c.half_length),
           bent_per_half(c.bend_slope / c.half_length),
-          per_mass(kick.step / c.mass),
-          per_half_mass(2.0 * kick.step / c.mass),
-          per_tilt(kick.step / c.tilt_mass),
-          per_bend(kick.step / c.bend_mass),
-          per_mass_or_bend(kick.step * (1.0 / c.mass + 1.0 / c.bend_mass)),
+          per_mass(kick.until_friction() / c.mass),
+          per_half_mass(2.0 * kick.until_friction() / c.mass),
+          per_tilt(kick.until_friction() / c.tilt_mass),
+          per_bend(kick.until_friction() / c.bend_mass),
+          per_mass_or_bend(kick.until_friction() * (1.0 / c.mass + 1.0 / c.bend_mass)),
           lead(-0.5 * kick.step),
           friction(c.tip_friction.coefficient),
-          response(1.2 * kick.step * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
+          response(1.2 * kick.until_friction() * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
           further_steps(c.further_steps + (kick.implicit() ? 0 : 2)) {
         for (std::size_t k = 0; k < sheaves.size(); ++k) {
             const SheaveMotion &at = of[k], &low = of[k / 2 * 2];
@@ -124,7 +124,7 @@ struct TipNumbers {
     Lanes<W> per_half;                                                       ///< 1/(ℓ_p/2) [1/m]
     Lanes<W> bend_lever;                                                     ///< copy of the member of RigidCoefficients
     Lanes<W> bent_outward_per_half, bent_per_half;                           ///< outward_per_half and per_half for bending
-    Lanes<W> per_mass, per_half_mass, per_tilt, per_bend, per_mass_or_bend;  ///< velocity per force over the step [m/s/N]
+    Lanes<W> per_mass, per_half_mass, per_tilt, per_bend, per_mass_or_bend;  ///< velocity per force until friction acts [m/s/N]
     Lanes<W> lead;      ///< time by which velocities are ahead of coordinates at the beginning of a step [s]
     Lanes<W> friction;  ///< coefficient of friction of tips
     Lanes<W> response;  ///< response of the sliding velocity to friction, with a margin for neighbours [m/s/N]
@@ -172,7 +172,7 @@ struct SideMotion {
     PlaneOf<W> velocity;      ///< velocity of the pin's end against the sheave, without the half's part [m/s]
     PlaneOf<W> sphere_velocity;  ///< velocity of a sphere's centre against the sheave's origin, without the half's part [m/s]
     Lanes<W> velocity_z;         ///< [m/s]
-    PlaneOf<W> moved_on;         ///< change of the pin's velocity against the sheave by the sheave's turning in the step [m/s]
+    PlaneOf<W> moved_on;         ///< change of the pin's velocity against the sheave by the sheave's turning until friction acts [m/s]
     Lanes<W> turned_by;          ///< half of the angle by which the sheave turns [rad]
     Lanes<W> spin_x, spin_y;     ///< [rad/s]
     Lanes<W> faster;             ///< φ' against the sheave at -z [rad/s]
@@ -240,8 +240,6 @@ public:
     }
     [[nodiscard]] const HalfMotion<W>& half(std::size_t tip) const noexcept { return half_[half_of_tip(tip)]; }
     [[nodiscard]] const SideMotion<W>& side(std::size_t tip) const noexcept { return side_[end_of_tip(tip)]; }
-    /// Velocity of half 0 or 1 along z.
-    [[nodiscard]] V velocity_z(std::size_t of_half) const noexcept { return convert<W>(rate_.z) + half_[of_half].ahead; }
     /// 1 for pins of the driven shaft, else 0.
     [[nodiscard]] const V& driven() const noexcept { return driven_; }
 
@@ -313,7 +311,7 @@ private:
         s.turned_by = V(0.5 * kick_.step) * spin;
         const PlaneV onward = s.turned_by * turned(convert<W>(rate_.middle)),
                      velocity{of_sheave(&Sheave::vx, end), of_sheave(&Sheave::vy, end)};
-        s.moved_on = V(2.0) * onward;
+        s.moved_on = V(2.0 * friction_time) * onward;
         s.velocity = s.side * rate_.end + rate_.bend - velocity + onward - spin * turned(s.arm);
         s.sphere_velocity = (s.side * n_.lever) * rate_.end + n_.bend_lever * rate_.bend - velocity;
         const D along = select_greater<lanes>(second_, D(0.5), D(sheaves[2 + end].vz), D(sheaves[end].vz));
@@ -325,7 +323,7 @@ private:
     const RigidKick& kick_;
     const PinBlocks<W>& pins_;
     const RigidRows& columns_;
-    const Row turn_;              ///< θ' of pitch lines: in a step that at its end
+    const Row turn_;              ///< θ' of pitch lines: in a step at the time of the coordinates
     const PlaneRow offset_rate_;  ///< u' of halves, likewise
     PinMotion<W> at_, rate_;
     HalfMotion<W> half_[2];

@@ -77,7 +77,7 @@ constexpr double rigid_damping_reach = 2.0;
             .reach = {frictionless_reach, MethodReach::unlimited, MethodReach::unlimited, frictionless_reach, rigid_damping_reach},
             .longest_step = longest_rigid_step,
             .wave_filter = model::wave_filter,
-            .revision = 3,
+            .revision = 4,
             .missing = missing_rigid_pins};
 }
 

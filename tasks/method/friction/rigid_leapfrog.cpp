@@ -79,14 +79,15 @@ void RigidLeapfrog::add_tasks(engine::TaskGraph& graph) {
     };
     const int tasks[] = {
         add("links", engine::code_of<&RigidLeapfrog::links>(*this), {writes(motion), writes(link_force), writes(account)}),
+        add("press", engine::code_of<&RigidLeapfrog::press>(*this), {reads(motion), reads(link_force), writes(tip_force)}),
         add("plates", engine::code_of<&RigidLeapfrog::plates>(*this),
-            {reads(motion), reads(link_force), writes(plate_force), writes(account)}),
-        add("tips", engine::code_of<&RigidLeapfrog::tips>(*this),
-            {reads(motion), reads(link_force), reads(plate_force), writes(tip_force), writes(account)}),
+            {reads(motion), reads(link_force), reads(tip_force), writes(plate_force), writes(account)}),
+        add("rub", engine::code_of<&RigidLeapfrog::rub>(*this),
+            {reads(link_force), reads(plate_force), writes(tip_force), writes(account)}),
         add("kick", engine::code_of<&RigidLeapfrog::kick>(*this),
             {reads(link_force), writes(plate_force), reads(tip_force), writes(motion), writes(account)}),
     };
-    for (int k = 0; k < 3; ++k) graph.order(tasks[k], tasks[k + 1]);
+    for (int k = 0; k < 4; ++k) graph.order(tasks[k], tasks[k + 1]);
 }
 
 CycleSequence RigidLeapfrog::step() {
@@ -94,7 +95,7 @@ CycleSequence RigidLeapfrog::step() {
     if (std::abs(0.5 * h - pins_.lead) > equal_steps * h) set_lead(0.5 * h);
     kick_.step = h;
     pulleys_.drift(h);     // q ← q + h v
-    co_yield rigid_cycle;  // q ← q + h v;  a = forces at q, with the friction that v + h a leaves;  v ← v + h a
+    co_yield rigid_cycle;  // q ← q + h v;  a = forces at q, with the friction of v + 0.7 h a;  v ← v + h a
     finish();              // the pulleys by the reactions of the tips: v ← v + h a; energies; phases
     co_return is_suspect() ? find_fault(w_, w_.state()) : Fault{};
 }
@@ -104,9 +105,11 @@ void RigidLeapfrog::links(int) noexcept {
     pins_.model.link_forces(kick_, pins_.columns, pins_.forces);
 }
 
-void RigidLeapfrog::plates(int) noexcept { pins_.model.plate_friction(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
+void RigidLeapfrog::press(int) noexcept { pins_.model.press(pulleys_.sheaves(), kick_, pins_.columns); }
 
-void RigidLeapfrog::tips(int) noexcept { pins_.model.tip_forces(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
+void RigidLeapfrog::plates(int) noexcept { pins_.model.plate_friction(kick_, pins_.columns, pins_.forces); }
+
+void RigidLeapfrog::rub(int) noexcept { pins_.model.rub(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
 
 void RigidLeapfrog::kick(int) noexcept { pins_.model.sum_forces(kick_, pins_.columns, pins_.forces); }
 
@@ -122,6 +125,7 @@ void RigidLeapfrog::start() {
     const model::RigidColumns& columns = pins_.columns;
     columns.copy({columns.plate.slip_low, columns.plate.slip_high}, columns.plate.slip_low_before);
     columns.copy(columns.joint.slip, columns.joint.slip_before);
+    columns.clear(columns.damping.waves(), 0, columns.padded());
     pulleys_.start(w_.step.time);
     half_way_ = {};
     count_energy({});

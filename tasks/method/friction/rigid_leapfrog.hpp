@@ -1,7 +1,7 @@
 #pragma once
 /// Leapfrog of rigid pins, with implicit friction solved where it acts. (model/EQUATIONS.md section 11)
 ///
-///     links ─► plates ─► tips ─► kick     one task each, of the whole chain
+///     links ─► press ─► plates ─► rub ─► kick     one task each, of the whole chain
 ///
 /// Between steps velocities are half a step ahead of coordinates; forces are those at the coordinates. All of it is in the workspace's
 /// columns, which are the state while this method runs. Works and losses are sums of what each step does.
@@ -96,8 +96,9 @@ public:
 
     // Bodies of tasks.
     void links(int) noexcept;   ///< coordinates by the whole step; forces of links
+    void press(int) noexcept;   ///< normal forces of the tips
     void plates(int) noexcept;  ///< friction of plates along the pins, and of halves on each other
-    void tips(int) noexcept;    ///< normal forces and friction of the tips
+    void rub(int) noexcept;     ///< friction of the tips
     void kick(int) noexcept;    ///< accelerations, and velocities by them
 
 private:

@@ -148,7 +148,7 @@ TEST_F(WorkCommand, CountsTheTasksOfALeapfrog) {
 TEST_F(WorkCommand, CountsTheTasksOfRigidPins) {
     const Outcome outcome = run({"work", "tiny", "--detail", "rigid", "--method", "auto", "--segments", "1", "-q"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    for (const char* task : {"links", "plates", "tips", "kick"}) EXPECT_THAT(outcome.out, HasSubstr(task));
+    for (const char* task : {"links", "press", "plates", "rub", "kick"}) EXPECT_THAT(outcome.out, HasSubstr(task));
 }
 
 }  // namespace

@@ -153,16 +153,16 @@ void solve_as_a_step(AxialFriction& found) {
 /// together leave behind, with the grip at the sliding speed extrapolated from the last two. Then grips are those at the speeds found, and
 /// the friction of each link follows beside that of its neighbours.
 void expect_friction(int pins, FrictionLaw law) {
-    constexpr double step = 5e-6;
+    const RigidKick kick{5e-6};
     const Parameters p = chain_of(pins, law);
     const RigidModel model(p);
     RigidColumns columns = filled_columns(model, static_cast<unsigned>(pins));
     const RigidColumns before = columns;
-    AxialFriction found(p, model, before, step);
+    AxialFriction found(p, model, before, kick.until_friction());
     solve_as_a_step(found);
     Account account;
-    model.kernels().plate_friction(model.coefficients(), {step}, columns, account);
-    model.kernels().joint_friction(model.coefficients(), {step}, columns, account);
+    model.kernels().plate_friction(model.coefficients(), kick, columns, account);
+    model.kernels().joint_friction(model.coefficients(), kick, columns, account);
     double largest = 0.0, held = 0.0;
     for (int pin = 0; pin < pins; ++pin) {
         const std::size_t k = AxialFriction::number(pin);
@@ -218,7 +218,8 @@ TEST(RigidLinks, FilterAddsTheForcesOfWhatLinksAccelerateBy) {
     for (const bool balanced : {true, false}) {
         RigidColumns columns = model.columns();
         fill_ring(model, balanced, columns);
-        model.kernels().filter_waves(c, {wave_step}, columns);
+        Account account;
+        model.kernels().filter_waves(c, {wave_step}, columns, account);
         const PlaneRow& t = columns.line.direction;
         const double share = wave_filter * wave_step * wave_step;
         const auto along = [&](const PlaneRow& of, int link) {

@@ -117,7 +117,7 @@ constexpr Recorded recorded[] = {
     {"leapfrog-rkc", 2, "68ebe460b2d811dd", "none"},
     {"leapfrog-chebyshev", 2, "2bdc5433e1cda232", "none"},
     {"leapfrog-sweep", 5, "9d88d72ed2639830", "none"},
-    {"leapfrog-rigid", 3, "none", "823df97ce0addd63"},
+    {"leapfrog-rigid", 4, "none", "b01090cd8ebb37c9"},
     {"trapezoidal-analytic", 2, "75858bb6f14f2039", "none"},
     {"trapezoidal-full", 2, "891228d1b526264f", "none"},
     {"trapezoidal-once", 2, "923ab37b53bdafd0", "none"},
