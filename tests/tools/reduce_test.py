@@ -325,6 +325,12 @@ class Files(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(bench.runs)), ["scene.toml", "shift.h5"])
         self.assertEqual(Path(bench.runs, "shift.h5").read_text(), "whole\n")
 
+    def test_of_sweeps_keep_the_pulleys_of_the_scene(self):
+        bench = self.bench("exit 1")
+        bench.scene = {"detail.pulleys": "rigid"}
+        self.assertRaises(RuntimeError, bench.sweep, "map", {}, {"load.torque": [1.0]}, [])
+        self.assertIn('detail.pulleys = "rigid"\n', Path(bench.runs, "map.toml").read_text())
+
 
 def modelica_tables(text):
     """Tables of a text file as Modelica reads it: arrays by name."""

@@ -239,8 +239,9 @@ class Bench:
         """Results of a sweep over rows (key: values) as arrays by column; runs what is missing."""
         import h5py
 
+        settings = {**_PLAIN, "detail.pulleys": self.scene["detail.pulleys"], **settings}  # which a level of detail would set
         lines = ["[sweep]", f"name = {json.dumps(name)}", 'scene = "scene.toml"', f"detail = {json.dumps(detail or self.level)}", "[set]",
-                 *(f"{key} = {json.dumps(value)}" for key, value in {**_PLAIN, **settings}.items()), "[[axes]]", f'csv = "{name}.csv"',
+                 *(f"{key} = {json.dumps(value)}" for key, value in settings.items()), "[[axes]]", f'csv = "{name}.csv"',
                  "[outputs]", f"scalars = {json.dumps(scalars)}", "[start]", 'mode = "settle"',
                  *['continuation = "load.torque"'] * continued]
         self.write(f"runs/{name}.csv", ", ".join(rows) + "\n" + "".join(

@@ -99,8 +99,9 @@ def measure_course(bench, model, name, errors):
     import h5py
 
     scene = bench.scene
-    settings = {**{key: value for key, value in scene.items() if key.split(".")[0] in _MACHINE}, **COURSES[name], "start.state": "",
-                "run.output_interval": "1 ms", "run.state_interval": "1 s", "record.channels": _CHANNELS}
+    settings = {**{key: value for key, value in scene.items() if key.split(".")[0] in _MACHINE or key == "detail.pulleys"},
+                **COURSES[name], "start.state": "", "run.output_interval": "1 ms", "run.state_interval": "1 s",
+                "record.channels": _CHANNELS}
     try:
         bench.record(name, settings)
         with h5py.File(os.path.join(bench.runs, f"{name}.h5")) as file:
