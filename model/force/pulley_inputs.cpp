@@ -6,6 +6,7 @@
 #include <numbers>
 #include <span>
 #include <tuple>
+#include <utility>
 
 #include "model/basis/portable_math.hpp"
 
@@ -21,6 +22,12 @@ double holding_force(const HeldSheave& held, double t, const PulleyCoordinates& 
     const double led = held.offset * std::max(0.0, 1.0 - (t - held.since) / leading_time);
     const double moved = at.opening(block, 0) - held.opening - led, speed = at.opening(block + at.size(), 0);
     return std::max(0.0, held.force + stiffness * moved + damping * speed);
+}
+
+/// Whether shaft 2 has a clamping force, or a pressure, without clamping.safety. now ≥ 0 [s]
+bool has_floor(const Clamping& clamping, const Hydraulics& hydraulics, const HeldInputs& held, double now) noexcept {
+    if (hydraulics.mode == HydraulicMode::pressure) return held.driven_pressure.value_or(hydraulics.driven.pressure.at(now)) > 0.0;
+    return held.driven.value_or(clamping.driven.at(now)) > 0.0;
 }
 
 }  // namespace
@@ -183,7 +190,8 @@ Inputs PulleyInputs::requested(double t, const double* tail) const noexcept {
     in.drive_torque = torques_.drive_torque(t, tail);
     in.load_torque = -factor * load;
     std::array<double, 2> clamping = given_clamping(now, tail);
-    clamping[1] = driven_clamping(clamping_, clamping[1], load, driven_lever(tail));
+    const double table = std::exchange(clamping[1], driven_clamping(clamping_, clamping[1], load, driven_lever(tail)));
+    in.at_floor = clamping_.safety > 0.0 && clamping[1] == table && has_floor(clamping_, hydraulics_.data(), torques_.held(), now);
     for (int k = 0; k < controllers_; ++k) {
         const Governing& by = governing_[static_cast<std::size_t>(k)];
         if (const auto& held = torques_.held().sheave; held && by.quantity == ControlledQuantity::ratio) {

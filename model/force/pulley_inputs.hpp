@@ -138,6 +138,7 @@ struct Inputs {
     /// I' of the controllers [1], then rates of the hydraulics; zero without them
     std::array<double, 2 + hydraulic_unknowns> control_rate{};
     bool control_limited = false;  ///< a controller asks for more than its authority
+    bool at_floor = false;         ///< the table of shaft 2, and not clamping.safety beside it, decides its clamping force
 
     /// Torques on the variator's shafts behind bearings and seals, of drive and load [N·m].
     [[nodiscard]] std::array<double, 2> on_shafts() const noexcept { return {drive_torque - drag[0], load_torque - drag[1]}; }

@@ -228,6 +228,7 @@ void Observer::read_shafts(const double* behind) noexcept {
     o.hydraulics = pulleys.inputs().hydraulics(o.time, behind);
     o.hydraulic_energy = pulleys.inputs().hydraulic_energy(behind);
     o.control_limited = inputs.control_limited;
+    o.at_floor = inputs.at_floor;
     o.control = pulleys.inputs().controlled(o.time, behind, inputs);
     for (int shaft = 0; shaft < 2; ++shaft) {
         const std::size_t k = index_of(shaft);

@@ -44,6 +44,7 @@ struct Observation {
     std::array<double, 4> axial_force{};      ///< sum over all tips on sheaves 1-, 1+, 2-, 2+ [N]
     double limit_use = 0.0;                   ///< largest ratio of a clamping force to wear.clamping_limit at its slip speed; 0: no limit
     bool control_limited = false;             ///< whether a controller demands more than its authority
+    bool at_floor = false;                    ///< whether the table of shaft 2, and not clamping.safety, decides its clamping force
     ControlInstant control{};                 ///< first controller
     double ratio = 0.0;                       ///< ω_1/ω_2 [1]
     std::array<double, 2> pin_speed{};        ///< mean angular speed about the shaft's axis of the pins that touch [rad/s]

@@ -285,6 +285,14 @@ constexpr Row rows[] = {
      [](const Scene& s) { return s.run.until.automatic() && s.parameters.heat.enabled; },
      [](const Scene& s) { return std::min(s.parameters.heat.pulley_conductance, s.parameters.heat.ambient_conductance) > 0.0; },
      "run.until: \"steady\" needs heat.pulley_conductance and heat.ambient_conductance above 0: else no temperature is steady"},
+    {"clamping.safety clamping.driven hydraulics.driven_pressure load.torque load.linear load.quadratic",
+     [](const Scene& s) {
+         const auto& [clamping, load] = std::tie(s.parameters.clamping, s.parameters.load);
+         return clamping.safety > 0.0 && load.linear == 0.0 && load.quadratic == 0.0;
+     },
+     [](const Scene& s) { return driven_clamping_at_start(s.parameters) > 0.0; },
+     "clamping.safety: without a load at t = 0 shaft 2 has no clamping force; give the least one, clamping.driven "
+     "(hydraulics.driven_pressure)"},
     {"control.when_steady control.enabled control.quantity run.until hydraulics.mode", holds_sheave, controls_ratio,
      "control.when_steady: \"hold\" is about control of the ratio (control.enabled = true, control.quantity = \"ratio\")"},
     {also, holds_sheave, [](const Scene& s) { return s.run.until.automatic(); },

@@ -21,6 +21,8 @@ constexpr std::string_view friction_key = "tip.friction_coefficient";
 
 [[nodiscard]] bool is_gain(std::string_view key) noexcept { return key == "control.proportional" || key == "control.integral"; }
 
+constexpr std::string_view floor_keys[] = {"clamping.driven", "hydraulics.driven_pressure"};
+
 [[nodiscard]] bool table_gives_friction(const Scene& scene) noexcept {
     return scene.parameters.tip.friction_law == model::TipFriction::table && !scene.parameters.tip.friction_table.value.empty();
 }
@@ -62,7 +64,18 @@ double driven_clamping_at_start(const model::Parameters& p) {
     return radii ? model::driven_clamping(p.clamping, table, p.load.torque.at(0.0), model::grip(p.tip) * radii->driven) : table;
 }
 
+void note_floor(Scene& scene, std::string_view key) noexcept {
+    for (std::size_t k = 0; k < scene.floors.size(); ++k) scene.floors[k] = scene.floors[k] || key == floor_keys[k];
+}
+
+bool lacks_floor(const Scene& scene, std::string_view key) noexcept {
+    const auto at = std::ranges::find(floor_keys, key);
+    return at != std::end(floor_keys) && !scene.floors[static_cast<std::size_t>(at - std::begin(floor_keys))];
+}
+
 bool is_derived(const Scene& scene, std::string_view key) noexcept {
+    if (const bool pressures = scene.parameters.hydraulics.mode == model::HydraulicMode::pressure; lacks_floor(scene, key))
+        return scene.parameters.clamping.safety > 0.0 && pressures == (key == floor_keys[1]);
     if (is_gain(key)) return scene.gains == ControlGains::found;
     if (key == friction_key) return table_gives_friction(scene);
     if (!scene.vehicle.present()) return false;
@@ -79,7 +92,8 @@ std::string derived_text(const Scene& scene, std::string_view key) {
 }
 
 bool has_derived(const Scene& scene) noexcept {
-    return scene.vehicle.present() || scene.gains == ControlGains::found || table_gives_friction(scene);
+    return scene.vehicle.present() || scene.gains == ControlGains::found || scene.parameters.clamping.safety > 0.0 ||
+           table_gives_friction(scene);
 }
 
 void derive(Scene& scene) {
@@ -88,11 +102,13 @@ void derive(Scene& scene) {
     if (scene.vehicle.present() && !scene.cycle.present()) model::load_by(scene.vehicle, scene.parameters.load);
     if (scene.vehicle.present() && scene.cycle.present() && scene.cycle.intervals() < static_cast<double>(max_points))
         model::Trip(scene.vehicle, scene.cycle).command(scene.parameters);
+    if (is_derived(scene, floor_keys[0])) scene.parameters.clamping.driven = model::TimeTable{0.0};
+    if (is_derived(scene, floor_keys[1])) scene.parameters.hydraulics.driven.pressure = model::TimeTable{0.0};
     if (scene.gains == ControlGains::found) find_gains(scene, scene.parameters.control);
 }
 
 void forget_derived(Scene& scene) {
-    if (!scene.vehicle.present() && scene.gains == ControlGains::given) return;
+    if (!has_derived(scene)) return;
     Scene defaults;
     for (const Parameter& key : parameter_table()) {
         if (key.key == friction_key || !is_derived(scene, key.key)) continue;  // friction stays when the law changes

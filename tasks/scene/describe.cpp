@@ -213,7 +213,8 @@ std::string write_scene(const Scene& scene) {
         const bool has_unit = !parameter.unit.empty() && parameter.unit != "1";
         const std::string value = value_text(parameter, scene);
         const auto unit = has_unit && !value.starts_with('"') ? fmt::format("  # {}", parameter.unit) : "";
-        text += fmt::format("{} = {}{}\n", parameter.name(), value, unit);
+        const char* left_out = lacks_floor(scene, parameter.key) ? "# " : "";  // not given
+        text += fmt::format("{}{} = {}{}\n", left_out, parameter.name(), value, unit);
     }
     return text;
 }

@@ -299,11 +299,12 @@ std::span<const Parameter> parameter_table() {
     {"clamping.driving", "N", 0, 1e7, {}, of<&Clamping::driving>,
      "Clamping force of the movable sheave of shaft 1 over time.", "baseline operating point"},
     {"clamping.driven", "N", 0, 1e7, {}, of<&Clamping::driven>,
-     "Clamping force of the movable sheave of shaft 2 over time.", "baseline operating point"},
+     "Clamping force of the movable sheave of shaft 2 over time; with clamping.safety the least one.", "baseline operating point"},
 
     {"clamping.safety", "1", 0, 100, {}, of<&Clamping::safety>,
-     "Lower limit of the clamping force of shaft 2: its friction carries this many times the load's torque, 2 mu S r/cos(beta). 0: no "
-     "limit."},
+     "Clamping force of shaft 2 by the load: its friction carries this many times the load's torque, 2 mu S r/cos(beta). Where the scene "
+     "gives clamping.driven (with hydraulics.mode = \"pressure\" hydraulics.driven_pressure), that is its floor; else it has none. 0: the "
+     "force is clamping.driven."},
 
     {"control.enabled", "", 0, 0, {}, of<&Control::enabled>,
      "A PI controller corrects a clamping force (control.quantity); with control.driven a second one corrects that of shaft 2."},

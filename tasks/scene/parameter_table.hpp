@@ -90,7 +90,11 @@ struct CrossCheck {
 };
 [[nodiscard]] std::span<const CrossCheck> cross_checks();
 
-/// Whether any key follows from others: from vehicle and cycle, control.gains = "found", or a table of friction.
+/// Notes that a scene gives a key, of which clamping.safety else has no floor: clamping.driven, hydraulics.driven_pressure.
+void note_floor(Scene& scene, std::string_view key) noexcept;
+/// Whether a scene leaves that floor to clamping.safety, or to the default. @param key any other: false
+[[nodiscard]] bool lacks_floor(const Scene& scene, std::string_view key) noexcept;
+/// Whether any key follows from others: from vehicle and cycle, control.gains = "found", clamping.safety, or a table of friction.
 [[nodiscard]] bool has_derived(const Scene& scene) noexcept;
 /// Whether others determine the value of `key`, and the scene must not.
 [[nodiscard]] bool is_derived(const Scene& scene, std::string_view key) noexcept;

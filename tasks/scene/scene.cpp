@@ -124,6 +124,7 @@ void Reading::check_order() {
 void Reading::value(const Parameter& parameter, const Node& node) {
     const std::size_t before = problems_.size();
     given_[parameter.key] = node.position;
+    note_floor(scene_, parameter.key);
     const bool takes_file = parameter.kind() == Kind::time_table || parameter.kind() == Kind::speed_table;
     const bool names_file = takes_file && names_csv(node);
     if (names_file && start_ == StartState::recorded)

@@ -6,6 +6,7 @@
 ///
 ///     scene.toml:14:9: chain.pitch: 8.12 m is outside [1e-3, 5e-2] m (did you mean "8.12 mm"?)
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -103,6 +104,7 @@ struct Scene {
     std::string text;                        ///< the TOML as it was read; not changed by set_values or apply_detail (see write_scene)
     std::filesystem::path path;              ///< path of the file, as given
     std::vector<std::filesystem::path> named_files;  ///< files that its values name: CSV tables, and states whether they are used or not
+    std::array<bool, 2> floors{};                    ///< whether it gives clamping.driven, hydraulics.driven_pressure (see note_floor)
 };
 
 /// The file that a scene was read from and those that it names: nothing written for it may replace them. Empty paths: none.

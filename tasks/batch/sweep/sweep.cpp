@@ -218,6 +218,7 @@ private:
 
     void setting(const Parameter& parameter, const Node& node) {
         set_.emplace_back(parameter.key, node.position);
+        note_floor(sweep_.scene, parameter.key);
         read_value(parameter, node, sweep_.scene, problems_);
         if (parameter.key != "start.state" || sweep_.scene.state_file.empty()) return;
         sweep_.scene.state_place = fmt::format("{}:{}:{}: ", sweep_.path.string(), node.position.line, node.position.column);
@@ -307,6 +308,8 @@ private:
 
     void consistent() {
         if (!problems_.empty()) return;
+        for (const Axis& axis : sweep_.axes)
+            for (const Parameter* key : axis.keys) note_floor(sweep_.scene, key->key);
         derive(sweep_.scene);
         for (const auto& [key, position] : set_) independent(key, position);
         if (sweep_.axes.empty()) problems_.push_back({{}, "axes: none given; nothing varies"});

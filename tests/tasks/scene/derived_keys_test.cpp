@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -73,6 +74,29 @@ TEST(FoundGains, AreRefusedBesideGivenOnesAndWithoutAForce) {
          })
         EXPECT_EQ(message_of_settings(controlled_scene(), {setting}), std::string("--set ") + setting + ": " + message);
     EXPECT_EQ(message_of_settings(controlled_scene(), {"clamping.driven=0", "clamping.safety=1.3"}), "") << "150 N·m require 19.5 kN";
+}
+
+/// The default's 20 kN are another machine's. A floor that a scene gives stays, also the default's value; without a load there is no force.
+TEST(ClampingSafety, HasAFloorWhereTheSceneGivesOneAlone) {
+    const auto least = [](const Scene& scene) {
+        const model::Parameters& p = scene.parameters;
+        return std::pair{p.clamping.driven.at(0.0), p.hydraulics.driven.pressure.at(0.0)};
+    };
+    Scene scene = parse_scene("[clamping]\nsafety = 1.3\n[load]\ntorque = 75\n", "own.toml");
+    const auto [force, pressure] = least(Scene{});
+    EXPECT_EQ(least(scene), std::pair(0.0, pressure));
+    EXPECT_NEAR(driven_clamping_at_start(scene.parameters), 9.8e3, 0.1e3);
+    EXPECT_EQ(least(parse_scene(write_scene(scene), "again.toml", StartState::recorded)), least(scene));
+    set_value(scene, "clamping.safety=0");
+    EXPECT_EQ(least(scene), std::pair(force, pressure));
+    scene = parse_scene(write_scene(scene), "again.toml");
+    set_value(scene, "clamping.safety=1.3");
+    EXPECT_EQ(least(scene), std::pair(0.0, pressure)) << "no text makes a floor of a default";
+    EXPECT_THAT(message_of_settings(scene, {"load.torque=0"}), testing::HasSubstr("without a load at t = 0 shaft 2 has no clamping force"));
+    set_value(scene, "hydraulics.mode=pressure");
+    EXPECT_EQ(least(scene), std::pair(force, 0.0));
+    set_value(scene, "hydraulics.driven_pressure=3 bar");
+    EXPECT_EQ(least(parse_scene(write_scene(scene), "again.toml")), std::pair(force, 3e5));
 }
 
 /// A record of another version of the program states the gains that acted.

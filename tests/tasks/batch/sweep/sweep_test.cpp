@@ -81,6 +81,19 @@ TEST_F(SweepFile, KeysThatFollowAVehicleFollowEachOfItsCases) {
               "s.toml:1:1: load.torque: follows from [vehicle]; remove it");
 }
 
+TEST_F(SweepFile, ASafetyHasNoFloorButThatOfAnAxisOrTheScene) {
+    write("own.toml", "[load]\ntorque = 75\n");
+    const std::string own = "[sweep]\nscene = \"own.toml\"\n[outputs]\nscalars = [\"slip mean\"]\n";
+    const std::string safeties = "[[axes]]\nkey = \"clamping.safety\"\nvalues = [1.3, 0]\n";
+    const std::string forces = "[[axes]]\nkey = \"clamping.driven\"\nvalues = [\"8 kN\", \"9 kN\"]\n";
+    for (const auto& [text, first, last] :
+         {std::tuple{own + safeties, 0.0, 20e3}, {own + safeties + forces, 8e3, 9e3}, {head + safeties, 5.7e3, 5.7e3}}) {
+        const Sweep sweep = read(text);
+        EXPECT_EQ(value(sweep, 0, "clamping.driven"), first) << text;
+        EXPECT_EQ(value(sweep, sweep.cases() - 1, "clamping.driven"), last) << text;
+    }
+}
+
 TEST_F(SweepFile, ZipsKeysAndReadsCsv) {
     write("rows.csv",
           "\xEF\xBB\xBF# measured\nload.torque [N*m], detail.pulleys, clamping.driven\n1, elastic, 5 kN\n2.5, rigid, \"6 kN\"\n");
