@@ -29,6 +29,7 @@ static_assert(std::is_trivially_copyable_v<MeanPoint> && sizeof(MeanPoint) == si
     put(Mean::missed, std::clamp(now.control.miss(), -1.0, 1.0));  // a safety factor has no limit where a load passes zero
     put(Mean::loose, std::min(now.tight, now.slack) <= 0.0 ? 1.0 : 0.0);
     put(Mean::beyond, now.limit_use > 1.0 ? 1.0 : 0.0);
+    put(Mean::floor, now.at_floor ? 1.0 : 0.0);
     put(Mean::turning, 0.5 * (std::abs(now.speed[0]) + std::abs(now.speed[1])));
     put(Mean::creep, now.creep.power);
     put(Mean::brought, std::max(0.0, now.work[0]) + std::max(0.0, now.work[1]));
@@ -178,6 +179,7 @@ constexpr double most_slip = 0.1;           ///< slip above which load or clampi
 constexpr double growth_of_sliding = 1.1;   ///< growth from one half of the window to the other; an imposed slip does not grow
 constexpr double min_noted_slip = 3e-3;     ///< smallest slip to which errors are relative in notes: steps are exact to 3e-5 of a speed
 constexpr double share_of_ratio = 0.1;      ///< tolerance of the ratio over that of other means, which follow a ratio that moves
+constexpr double share_at_end = 0.2;        ///< the same where a run reaches its limit of time: scatter of a control that has settled
 constexpr double min_share_of_tight = 0.1;  ///< smallest slack tension over the tight one to which errors are relative
 
 struct Block {
@@ -424,7 +426,8 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
         error.drift = std::hypot(error.drift, (quantity == 0 ? means.unseen_ratio : means.unseen) * means.scale(quantity, min_steady_slip));
         error.drift += means.off_target * std::abs(quantity == efficiency ? 1.0 - error.mean : error.mean);
     }
-    means.judge(rule.tolerance, held && !rule.holds_sheave() ? share_of_ratio : 1.0, min_steady_slip, efficiency);
+    const double of_ratio = static_cast<double>(periods) < rule.limit ? share_of_ratio : share_at_end;
+    means.judge(rule.tolerance, held && !rule.holds_sheave() ? of_ratio : 1.0, min_steady_slip, efficiency);
     add_unseen_slip(means, rule.holds_sheave());
     add_of_losses(growth_of_cylinder * cylinder, &MeanError::drift, means);
     judge_swing(points.subspan(means.begin), means);

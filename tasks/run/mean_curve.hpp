@@ -26,6 +26,7 @@ enum class Mean {
     missed,   ///< deviation of the first controller's quantity over its target; more than all of it counts as all of it
     loose,    ///< 1 while a strand carries no tension
     beyond,   ///< 1 while clamping is above its limit over the slip speed
+    floor,    ///< 1 while the table of shaft 2, and not clamping.safety, decides its clamping force
     turning,  ///< speed of the shafts without its sign, mean of both [rad/s]
     creep,    ///< power lost by creep [W]
     brought,  ///< power of the shafts that bring any [W]
@@ -68,7 +69,8 @@ struct MeanPoint {
     }
 };
 
-/// Condition for steady means: all their errors are below a tolerance. Without tolerance there is no condition.
+/// Condition for steady means: all their errors are below a tolerance. Without tolerance there is no condition. Beside it what notes on
+/// means take from the scene.
 struct SteadyRule {
     double tolerance = 0.0;    ///< relative to each mean; of the efficiency to the losses' share, at least a fiftieth [1]
     double limit = 0.0;        ///< pin periods after which a run ends that is not steady [1]
@@ -80,6 +82,8 @@ struct SteadyRule {
     double inertia = 0.0;      ///< inertia of shaft 2, which a load torque brakes; 0: how slowly slip settles is not known [kg·m²]
     double brief = 0.0;        ///< pin periods after which means count where the sheave is held from the start on; 0: it is not [1]
     double cylinder = 0.0;     ///< power that the cylinders' dampers take under control, before the sheave is held [W]
+    bool changes = false;      ///< inputs change over time: no means are steady
+    bool pressures = false;    ///< pressures are given, and no clamping forces
 
     [[nodiscard]] bool holds_sheave() const noexcept { return controlled > 0.0 || brief > 0.0; }
 };

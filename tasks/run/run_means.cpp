@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tasks/scene/scene.hpp"
+#include "tasks/step/control/step_grid.hpp"
 #include "tasks/step/step_method.hpp"
 #include "tasks/step/workspace.hpp"
 
@@ -27,7 +28,7 @@ constexpr double periods_of_control = 24.0;  ///< pin periods of ratio control b
 constexpr double takes_energy = 0.02;        ///< share of the input; 7e-4 over 11 pin periods of the settled baseline
 
 constexpr NoteKind kinds[] = {
-    {"gross_slip", "mean slip of the last fifth above 3 %"},
+    {"gross_slip", "mean slip above 3 % in a fiftieth of the run, of at least four pin periods, or in all of it"},
     {"control_limit",
      "a controller was at the limit of its authority in more than 5 % of the last fifth; where the target changes, of the run"},
     {"target_missed",
@@ -38,6 +39,9 @@ constexpr NoteKind kinds[] = {
      "pin periods, or in each quarter of the last fifth if that is shorter"},
     {"slack_strand", "a strand carried no tension in more than 5 % of the last fifth"},
     {"clamping_limit", "a clamping force was above wear.clamping_limit at the slip speed at some time"},
+    {"clamping_floor",
+     "clamping.driven, or hydraulics.driven_pressure, decided the clamping force of shaft 2 in more than 5 % of the time, and not "
+     "clamping.safety"},
     {"efficiency", "more is lost than comes in, in the whole run or in its last fifth: there is no efficiency"},
     {"unsteady",
      "the state changes: a mean of thrust ratio, tensions, slips or losses certainly moves by more than 1 % of it (slips below 0.3 %: of "
@@ -72,7 +76,8 @@ constexpr std::pair<Mean, double SpanMeans::*> scalar_means[] = {
     {Mean::tight, &SpanMeans::tight},     {Mean::slack, &SpanMeans::slack},
     {Mean::limited, &SpanMeans::limited}, {Mean::missed, &SpanMeans::missed},
     {Mean::loose, &SpanMeans::loose},     {Mean::beyond, &SpanMeans::beyond},
-    {Mean::turning, &SpanMeans::turning}, {Mean::target, &SpanMeans::target}};
+    {Mean::floor, &SpanMeans::floor},     {Mean::turning, &SpanMeans::turning},
+    {Mean::target, &SpanMeans::target}};
 
 void fill_means(const MeanPoint& before, const MeanPoint& after, SpanMeans& means) {
     const auto mean = [&](Mean quantity) { return after.mean_since(before, quantity); };
@@ -157,8 +162,9 @@ double RunMeans::end() const noexcept {
 }
 
 SteadyRule steady_rule(const Scene& scene) noexcept {
-    if (!scene.run.until.automatic()) return {};
     const model::Parameters& p = scene.parameters;
+    const bool changes = std::isfinite(next_input_point(p, {}, 0.0)), pressures = p.hydraulics.mode == model::HydraulicMode::pressure;
+    if (!scene.run.until.automatic()) return {.changes = changes, .pressures = pressures};
     const int pitches = static_cast<int>(p.chain.pitch.size()), pins = p.chain.pins;
     const bool turns_matter = p.imperfection.runout != 0.0 || p.imperfection.attachment != 1.0 || p.imperfection.unbalance != 0.0 ||
                               p.imperfection.pin_length_spread != 0.0 || pins % pitches != 0;
@@ -171,7 +177,10 @@ SteadyRule steady_rule(const Scene& scene) noexcept {
             scene.when_steady == WhenSteady::hold ? periods_of_control : 0.0,
             model::grip(p.tip),
             p.load.mode == model::LoadMode::torque ? model::shaft_inertia(p.pulley, p.load.inertia) : 0.0,
-            0.0};
+            0.0,
+            0.0,
+            changes,
+            pressures};
 }
 
 void RunMeans::clear() noexcept {
@@ -243,11 +252,12 @@ enum class Doubt { none, moves, brief, energy, few, uncertain };
     if (counts && whole.periods < 1.0) return Doubt::brief;
     if (std::abs(whole.stored) > takes_energy) return Doubt::energy;
     if (counts && errors.batches == 0) return Doubt::few;
-    return errors.share > 1.0 ? Doubt::uncertain : Doubt::none;
+    return errors.share > 1.0 && !means.steady().steady() ? Doubt::uncertain : Doubt::none;
 }
 
 [[nodiscard]] std::string doubt_text(Doubt doubt, const RunMeans& means, const MeanErrors& errors) {
     const SpanMeans whole = means.all();
+    const std::string_view advice = means.rule().limit > 0.0 || means.rule().changes ? "" : ": run.until=steady ends a run once they are";
     const auto of_mean = [](double value, const MeanError& error) { return percent(value / std::abs(error.mean)); };
     switch (doubt) {
         case Doubt::moves:
@@ -259,13 +269,38 @@ enum class Doubt { none, moves, brief, energy, few, uncertain };
         case Doubt::energy:
             return fmt::format("means are over a changing state: the stored energy has {} {} of the input",
                                whole.stored > 0.0 ? "taken" : "given", percent(std::abs(whole.stored)));
-        case Doubt::few: return fmt::format("means are over {:.0f} pin periods: fewer than 4 do not show their errors", whole.periods);
+        case Doubt::few:
+            return fmt::format("means are over {:.0f} pin periods, fewer than 4: their errors are not known{}", whole.periods, advice);
         case Doubt::uncertain:
-            return fmt::format("means are not known to 1 %: {} ± {}: run longer, or run.until=steady", MeanErrors::name(errors.worst),
-                               of_mean(errors.error[errors.worst].sum(), errors.error[errors.worst]));
+            return fmt::format("means are not known to 1 %: {} ± {}{}", MeanErrors::name(errors.worst),
+                               of_mean(errors.error[errors.worst].sum(), errors.error[errors.worst]), advice);
         case Doubt::none: break;
     }
     return {};
+}
+
+/// The largest mean slip of a fiftieth of the run, whose shafts turn, without its sign [1]; and when it is [s].
+struct LargestSlip {
+    double slip = 0.0, begin = 0.0, end = 0.0;
+
+    [[nodiscard]] std::string text() const {
+        return fmt::format("the chain slips by {} from {:.4g} to {:.4g} s", percent(slip), begin, end);
+    }
+};
+
+[[nodiscard]] LargestSlip largest_slip(const RunMeans& means) {
+    constexpr double most = 50.0, fewest_periods = 4.0;
+    const SpanMeans whole = means.all();
+    const double parts = std::clamp(std::floor(whole.periods / fewest_periods), 1.0, most);
+    LargestSlip largest;
+    MeanPoint before = means.curve().at(whole.begin);
+    for (double part = 1.0; part <= parts && whole.end > whole.begin; part += 1.0) {
+        const MeanPoint after = means.curve().at(whole.begin + part / parts * (whole.end - whole.begin));
+        const double slip = std::abs(after.mean_since(before, Mean::slip));
+        if (slip > largest.slip && after.mean_since(before, Mean::turning) > standing_speed) largest = {slip, before.time, after.time};
+        before = after;
+    }
+    return largest;
 }
 
 /// Limit and miss of a controller in the last fifth of a run; where its target changes, in all of it: the share of time at its limit, and
@@ -304,12 +339,13 @@ struct Controlled {
     const Controlled control(means);
     const Doubt doubt = doubt_of(means, means.errors());
     const bool uncertain = doubt == Doubt::few || doubt == Doubt::uncertain;
-    return {std::abs(last.slip) > gross_slip && !stands,
+    return {largest_slip(means).slip > gross_slip && !stands,
             control.limited > often,
             std::abs(control.missed) > (means.rule().holds_sheave() ? misses_held : misses) && !stands,
             last.swing > swings && !stands,
             last.loose > often,
             whole.beyond > 0.0,
+            whole.floor > often,
             !whole.no_load && (lives_on_itself(whole) || lives_on_itself(last)),
             doubt != Doubt::none && !uncertain && !stands,
             uncertain && !stands,
@@ -328,8 +364,9 @@ std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, boo
     const Controlled control(means);
     const MeanErrors errors = means.errors();
     const std::string doubts = doubt_text(doubt_of(means, errors), means, errors);
+    const char* floor = means.rule().pressures ? "hydraulics.driven_pressure" : "clamping.driven";
     const std::string texts[] = {
-        fmt::format("the chain slips by {}", percent(last.slip)),
+        largest_slip(means).text(),
         fmt::format("control is at the limit of its authority ({} of the {})", percent(control.limited),
                     control.of_run ? "run" : "last fifth"),
         fmt::format("control misses its target by {} in {}", percent(control.missed), control.place()),
@@ -338,6 +375,8 @@ std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, boo
         fmt::format("the {} strand carries no tension ({} of the last fifth)", last.tight < last.slack ? "tight" : "slack",
                     percent(last.loose)),
         fmt::format("clamping exceeds wear.clamping_limit at its slip speed in {} of the time", percent(whole.beyond)),
+        fmt::format("{0} decides the clamping force of shaft 2 in {1} of the time: {0}=0 leaves it to clamping.safety", floor,
+                    percent(whole.floor)),
         fmt::format("there is no efficiency: {:.3g} W are lost of {:.3g} W that come in ({:.3g} of {:.3g} W in the last fifth), and what "
                     "moves gives the rest",
                     whole.lost, whole.input, last.lost, last.input),

@@ -29,6 +29,7 @@ struct SpanMeans {
     double swing = 0.0;                    ///< swing of a controlled clamping force, see min_swing() [1]
     double loose = 0.0;                    ///< share of time in which a strand carried no tension
     double beyond = 0.0;                   ///< share of time in which clamping was above its limit over the slip speed
+    double floor = 0.0;                    ///< share of time in which the table of shaft 2 decided its force, and not clamping.safety
     double turning = 0.0;                  ///< speed of the shafts without its sign, mean of both [rad/s]
     std::array<double, 2> speed{};         ///< [rad/s]
     std::array<double, 2> torque{};        ///< torques of drive and load [N·m]

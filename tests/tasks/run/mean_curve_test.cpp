@@ -185,6 +185,21 @@ TEST(SteadyMeans, OfARatioThatIsHeldAreAtItsTarget) {
     EXPECT_LE(std::abs(held.all().ratio - 1.4), held.steady().error[0].sum());
 }
 
+/// Control with a ratio that is off by more than a tenth of the tolerance, while all other means are known.
+TEST(SteadyMeans, OfARatioThatIsKnownWellEnoughAreSteadyAtTheLimit) {
+    for (const double off : {0.0012, 0.003}) {
+        const RunMeans means = means_that(
+            [&](model::Observation& now) {
+                now.control = {1.4, 1.4 * (1.0 + off)};
+                now.speed = {100.0 * now.control.value, 100.0};
+            },
+            10.0, {0.01, 16.0 * pins, pins, 1.0, true});
+        EXPECT_NEAR(means.all().end, 16.0 * pins * period, 2.0 * period) << off << ": not before";
+        EXPECT_EQ(means.steady_fault().kind == FaultKind::not_steady, off > 0.002);
+        EXPECT_GT(means.steady().error[0].sum(), off * 1.4) << "stated";
+    }
+}
+
 /// Errors state half of the tolerance beside what a run shows when it passes, of a ratio that is held a tenth of that.
 TEST(SteadyMeans, StateWhatNoMeanShowsToo) {
     const MeanErrors free = means_of([](double) { return 2000.0; }, 1.0).steady();
