@@ -29,6 +29,12 @@ int rows_together(const std::vector<engine::ChannelInfo>& channels, double rows)
 /// Outputs or states of a run, the one at its begin included. interval [s]
 double instants(const Scene& scene, double interval) { return std::floor(latest_end(scene) / interval * (1.0 + 1e-12)) + 1.0; }
 
+std::vector<const Channel*> recorded_channels(const Scene& scene) {
+    std::vector<std::string> names = scene.run.channels;
+    if (scene.cycle.present()) names.emplace_back("vehicle/*");
+    return chosen_channels(names, scene.parameters);
+}
+
 engine::TableInfo transition_table() {
     return {"transitions",
             "changes of phase of tips: 0 free, 1 touching, 2 stick, 3 slip",
@@ -90,7 +96,7 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainModel& cha
 
 double record_bytes(const Scene& scene, const model::ChainModel& chain) {
     double width = 1.0;  // its time
-    for (const Channel* channel : chosen_channels(scene.run.channels, scene.parameters)) width += channel->width(chain);
+    for (const Channel* channel : recorded_channels(scene)) width += channel->width(chain);
     const double state = sizeof(double) * (1.0 + chain.layout().size()) + model::tips_per_link * chain.layout().links;
     return instants(scene, scene.run.output_interval) * sizeof(double) * width +
            instants(scene, std::max(scene.run.state_interval, scene.run.output_interval)) * state;
@@ -136,7 +142,7 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
       followed_pin_(scene.run.followed_pin),
       has_pulleys_(simulation.workspace().layout().pulley_size != 0),
       observer_(simulation.workspace().variator),
-      channels_(chosen_channels(scene.run.channels, scene.parameters)) {
+      channels_(recorded_channels(scene)) {
     std::vector<bool> averaged;
     for (const Channel* channel : channels_)
         averaged.insert(averaged.end(), static_cast<std::size_t>(channel->width(simulation.workspace().variator.chain())),
