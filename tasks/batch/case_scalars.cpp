@@ -97,12 +97,17 @@ std::span<Reducer> CaseScalars::present_reducers() {
 }
 
 void CaseScalars::write(CaseResult& result) const {
-    const double begin = means_.all().begin;
+    const SpanMeans means = means_.all();
     for (std::size_t i = 0; i < sweep_.scalars.size(); ++i) {
         if (by_periods())
             write_steady(i, result);
         else
-            result.scalars[i] = over_periods(i, begin).result(sweep_.scalars[i]);
+            result.scalars[i] = over_periods(i, means.begin).result(sweep_.scalars[i]);
+        const Scalar& scalar = sweep_.scalars[i];
+        if (std::isfinite(result.scalars[i]) && scalar.terms[0].reduction == Reduction::mean) {  // as in the summary of a run
+            if (scalar.is("loss_slip")) result.scalars[i] = means.loss_slip;
+            if (scalar.is("thrust_ratio")) result.scalars[i] = means.clamping[0] / means.clamping[1];
+        }
         if (result.status != CaseStatus::ok || std::isfinite(result.scalars[i]) || sweep_.scalars[i].may_be_undefined()) continue;
         result.status = CaseStatus::undefined;
         result.error = fmt::format("{} is not a finite number", sweep_.scalars[i].text);

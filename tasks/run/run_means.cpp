@@ -124,6 +124,21 @@ void fill_energies(const MeanPoint& before, const MeanPoint& after, SpanMeans& m
 
 std::span<const NoteKind> note_kinds() noexcept { return kinds; }
 
+std::string SpanMeans::text() const {
+    std::string words = fmt::format("begin {} end {} thrust_ratio {}", begin, end, clamping[0] / clamping[1]);
+    for (const auto& [name, value] : {std::pair{"ratio", ratio},
+                                      {"slip", slip},
+                                      {"friction_slip", friction_slip},
+                                      {"loss_slip", loss_slip},
+                                      {"tight_tension", tight},
+                                      {"slack_tension", slack},
+                                      {"efficiency", efficiency}})
+        words += fmt::format(" {} {}", name, value);
+    for (const auto& [name, values] : {std::pair{"speed", speed}, {"torque", torque}, {"clamping", clamping}, {"radius", radius}})
+        words += fmt::format(" shaft_1/{0} {1} shaft_2/{0} {2}", name, values[0], values[1]);
+    return words;
+}
+
 bool SpanMeans::cycle_missed() const noexcept { return astray > misses_cycle || std::abs(short_of) > misses_cycle; }
 
 std::string CycleMiss::text(const SpanMeans& whole) const {

@@ -52,6 +52,8 @@ struct SpanMeans {
     double astray = 0.0;                   ///< mean distance of the speed of shaft 2 from what a cycle needs, over that [1]
     double short_of = 0.0;                 ///< missing work of shaft 2 over what a cycle needs, without its sign [1]
 
+    /// Words "begin", "end" and channels, each followed by its number, of the means that channels have.
+    [[nodiscard]] std::string text() const;
     /// Whether the machine misses its cycle: by more than 2 % in speed or work.
     [[nodiscard]] bool cycle_missed() const noexcept;
 };

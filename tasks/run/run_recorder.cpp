@@ -295,6 +295,7 @@ void RunRecorder::finish(const Simulation& simulation, RunReport& report, double
     file_->set_attribute({"errors_of_means", errors});
     file_->set_attribute({"notes", notes});
     file_->set_attribute({"note_texts", texts});
+    file_->set_attribute({"means", report.whole.text() + "\n" + report.last_fifth.text()});
     file_->set_attribute({"state_hash", engine::hex(report.hash)});
     file_->set_attribute({"wall_seconds", report.wall});
     file_->close();

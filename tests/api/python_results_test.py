@@ -64,7 +64,9 @@ class Quotients(Folder):
     SETTINGS = ["start.settling_time=5 ms", "start.ramp_time=2 ms", "run.output_interval=20 us", "run.state_interval=10 ms",
                 "run.until=24.2 ms"]
     OF = {"efficiency": ("load.torque=[[0,12],[15e-3,12],[15.1e-3,-4]]", r"efficiency ([0-9.]+) %", 100.0, 1e-3),
-          "ratio": ("drive.speed=[[0,100],[8e-3,100],[12e-3,50],[16e-3,100]]", r"speed ratio +([0-9.]+) ", 1.0, 8e-3)}
+          "ratio": ("drive.speed=[[0,100],[8e-3,100],[12e-3,50],[16e-3,100]]", r"speed ratio +([0-9.]+) ", 1.0, 8e-3),
+          "slip": ("run.output_interval=1.1 ms", r"\n  slip +([0-9.]+) %", 100.0, 1e-5),  # outputs see pins in one place
+          "loss_slip": ("run.output_interval=1.1 ms", r"creep loss +([0-9.]+) %", 100.0, 1e-5)}
 
     def shown(self, page, row):
         """The numbers of a row of a page, in the unit that it shows."""
@@ -93,11 +95,13 @@ class Quotients(Folder):
         results = cvtflow.Sweep(scene, {"load.inertia": [scene["load.inertia"]]}, [f"{channel} mean"]).run(folder + "/s")
         ways = {"report": self.shown(f"{folder}/report.html", f'data-channel="{channel}"')[0] / factor,
                 "difference": self.shown(f"{folder}/both.html", f'data-difference="{channel}"')[0] / factor,
-                "scalar of a sweep": results[f"{channel}_mean"][0], "record": record.means(0.0)[channel], "run()": rows.means(0.0)[channel]}
+                "scalar of a sweep": results[f"{channel}_mean"][0], "record": record.means()[channel], "record from 0": record.means(0.0)[channel]}
+        ways |= {"run()": rows.means(0.0)[channel]} if rows._sums else {}
         ways |= {"column of a sweep": results[channel][0]} if channel in results else {}
         for way, value in ways.items():  # begins of windows differ by up to a pin period, of ten
             self.assertAlmostEqual(value, expected, delta=window, msg=way)
-        self.assertAlmostEqual(ways["scalar of a sweep"], expected, delta=6e-5)  # of the same window
+        for way in ("scalar of a sweep", "record"):
+            self.assertAlmostEqual(ways[way], expected, delta=6e-5, msg=way)  # of the same window
         for way in ("report", "difference"):
             self.assertAlmostEqual(ways[way], ways["record"], delta=1e-8, msg=way)
         instants = record["efficiency"]

@@ -61,7 +61,7 @@ def attribute_rows(attributes):
     """Attributes of a record or sweep: pairs of name and text; and those of several lines."""
     short, long = [], []
     for name, value in attributes.items():
-        if name in ("step_taken", "note_texts", "errors_of_means"):  # beside "step"; with the notes; with the key figures
+        if name in ("step_taken", "note_texts", "errors_of_means", "means"):  # beside "step"; with the notes; with the key figures
             continue
         text = value if isinstance(value, str) else f"{float(value):.6g}" if isinstance(value, (float, np.floating)) else str(value)
         if name == "step":

@@ -60,8 +60,8 @@ def late_row(record):
 
 def late_means(record):
     """Means by channel from there to the end, over whole pin periods as those of the summary; and the time from which they are [s]."""
-    time, (row, _) = record["time"], late_row(record)
-    begin, period = time[row], 1.0 / record.pin_frequency if record.pin_frequency else 0.0
+    time, (row, steady) = record["time"], late_row(record)
+    begin, period = record._begin() if steady else time[row], 1.0 / record.pin_frequency if record.pin_frequency else 0.0
     if period and time[-1] - begin >= period:
         begin = time[-1] - period * math.floor((time[-1] - begin) / period * (1.0 + 1e-9))
     rows = time >= begin - 1e-9 * (time[-1] - time[0])

@@ -60,12 +60,13 @@ class Series:
         return xarray.Dataset(made, coords={"time": ("time", self["time"], {"units": "s"})})
 
     def means(self, begin: float | str | None = None) -> dict[str, float]:
-        """Means of all channels of one number from `begin` [s] (a text carries its unit; None: the middle) to the end, by the trapezoidal
-        rule: a dict by name, in SI. Of a Record, `begin` moves to where whole pin periods remain. Rows that are not finite count as none.
+        """Means of all channels of one number from `begin` [s] (a text carries its unit; None: the first row) to the end, by the trapezoidal
+        rule: a dict by name, in SI. Of a Record, `begin` moves to where whole pin periods remain (None: where the means of the run's summary
+        begin), and what the summary has of that time is as there, over all samples of the run. Rows that are not finite count as none.
         An efficiency is the quotient of the energies in that time, as in the summary of a run; NaN where none flows. The ratio is that of
         the angles; infinite or NaN where shaft 2 does not turn. Raises ValueError for fewer than two rows from there on."""
         time = self["time"]
-        begin = 0.5 * (time[0] + time[-1]) if begin is None else seconds(begin)
+        begin = self._begin() if begin is None else seconds(begin)
         if period := self._pin_period():
             begin = time[-1] - period * max(1, math.floor((time[-1] - begin) / period * (1.0 + 1e-9)))
         rows = time >= begin - 1e-9 * (time[-1] - time[0])
@@ -84,6 +85,9 @@ class Series:
                 weight[[0, -1]] *= 0.5
             made[name] = float(weight @ values[finite] / weight.sum()) if weight.size else math.nan
         return made
+
+    def _begin(self):
+        return self["time"][0]
 
     def _sum(self, name):
         """A channel so far; None: not recorded."""
@@ -228,6 +232,22 @@ class Record(Series, Mapping[str, Array]):
 
     def _pin_period(self):
         return 1.0 / self.pin_frequency if self.pin_frequency else None
+
+    def _spans(self):
+        """Means of the run's summary by name, with their begin and end [s]: of the run, and of its last fifth."""
+        return self._once("spans", lambda: [dict(zip(words[::2], map(float, words[1::2])))
+                                            for words in map(str.split, str(self.attributes.get("means", "")).splitlines())])
+
+    def _begin(self):
+        return self._spans()[0]["begin"] if self._spans() else super()._begin()
+
+    def _quotient(self, name, begin, end):
+        period = self._pin_period() or math.inf
+        near = min(max(1.01 * period, 1e-3 * (end - begin)), 0.5 * (end - begin))  # both count whole periods, by other lengths of them
+        span = min(self._spans(), key=lambda each: abs(begin - each["begin"]), default={})
+        if name in span and end - begin > 0.99 * period and max(abs(begin - span["begin"]), abs(end - span["end"])) <= near:
+            return span[name]
+        return super()._quotient(name, begin, end)
 
     status = property(lambda self: self._file.status, doc="finished, running, unreliable, cycle_missed: …, or the cause of an early end.")
     attributes = property(lambda self: self._file.attributes(), doc="Of the whole file, by name.")
