@@ -19,6 +19,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
+constexpr double thrust_guess = 1.4, fall_of_thrust = -0.3;  ///< S_1/S_2 about: 1.8 at ratio 0.417, 1.4 at 1, 1.1 at 2.4
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 [[nodiscard]] bool controls_ratio(const model::Control& control) {
@@ -40,10 +41,15 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     return controls_ratio(p.control) ? p.control.ratio.at(time) : p.start.ratio;
 }
 
-/// d ln(ratio)/dt after an instant [1/s].
+/// d ln(ratio)/dt after an instant [1/s]; 0 in a step of the target, which control follows as its authority permits.
 [[nodiscard]] double shift_at(const model::Parameters& p, double time) {
-    constexpr double span = 1e-3;  // [s]
-    return std::log(ratio_at(p, time + span) / ratio_at(p, time)) / span;
+    constexpr double longest_step = 1e-3;  // [s]
+    const model::TimeTable& target = p.control.ratio;
+    const auto next = std::ranges::upper_bound(target.time, time);
+    if (!controls_ratio(p.control) || next == target.time.begin() || next == target.time.end()) return 0.0;
+    const auto k = static_cast<std::size_t>(next - target.time.begin());
+    const double lasts = target.time[k] - target.time[k - 1];
+    return lasts < longest_step ? 0.0 : (target.value[k] - target.value[k - 1]) / (lasts * target.at(time));
 }
 
 /// Force on shaft 1 by which ln(ratio) changes at a unit rate: elastic sheaves creep, cylinders damp (docs/reduce.md). speed [rad/s]
@@ -103,9 +109,12 @@ public:
     /// Piston force and pressure of a clamping force.
     void press(int shaft, SizedPoint& at) const {
         const auto k = static_cast<std::size_t>(shaft);
-        at.piston[k] = at.clamping[k] - other_force(shaft, at, at.clamping[k]);
+        at.least[k] = other_force(shaft, at, at.clamping[k]);
+        at.piston[k] = at.clamping[k] - at.least[k];
         at.pressure[k] = at.piston[k] / model_.area(shaft);
     }
+    /// How much deeper than the radius of the pins the chain runs where the groove yields [m]. clamping [N]
+    [[nodiscard]] double deeper(double clamping) const { return yield_ * clamping / wedge_; }
     [[nodiscard]] double area(int shaft) const { return model_.area(shaft); }
 
 private:
@@ -121,14 +130,25 @@ void size_driven(const model::Parameters& p, const Pistons& pistons, bool limite
     const double grip = model::grip(p.tip);
     double force = asked(grip * at.radius[1]);
     for (int k = 0; k < 4; ++k) force = asked(grip * pistons.measured_radius(at.radius[1], force));
-    if (p.hydraulics.mode != model::HydraulicMode::none && limited) {
-        const double most = pistons.area(1) * p.hydraulics.relief_pressure + pistons.other_force(1, at, force);
-        if (force > most) at.decided = "hydraulics.relief_pressure";
-        force = std::min(force, most);
+    if (p.hydraulics.mode != model::HydraulicMode::none) {
+        const double least = pistons.other_force(1, at, force), most = pistons.area(1) * p.hydraulics.relief_pressure + least;
+        if (force <= least) at.decided = "rotating oil";
+        if (limited && force > most) at.decided = "hydraulics.relief_pressure";
+        force = std::clamp(force, least, limited ? most : std::numeric_limits<double>::infinity());
     }
     at.clamping = {unknown, force};
     at.limit = grip * at.radius[1] * force;
     pistons.press(1, at);
+}
+
+/// S_2 that the load asks for, or the larger one of the scene's table; `at.decided` is the key that gives the table, else `by`.
+[[nodiscard]] double table_or(double asked, const char* by, const model::Parameters& p, const Pistons& pistons, SizedPoint& at) {
+    const bool pressures = p.hydraulics.mode == model::HydraulicMode::pressure;
+    const double given = p.clamping.driven.at(at.time);
+    const double table =
+        !pressures ? given : pistons.area(1) * p.hydraulics.driven.pressure.at(at.time) + pistons.other_force(1, at, given);
+    at.decided = asked > table ? by : pressures ? "hydraulics.driven_pressure" : "clamping.driven";
+    return std::max(asked, table);
 }
 
 /// A point of the scene's tables.
@@ -148,13 +168,7 @@ void size_driven(const model::Parameters& p, const Pistons& pistons, bool limite
             at.decided = "control.safety";
             return model::carrying_clamping(p.control.safety.at(time), load, lever);
         }
-        const bool pressures = p.hydraulics.mode == model::HydraulicMode::pressure;
-        const double table = pressures ? p.hydraulics.driven.area * p.hydraulics.driven.pressure.at(time) +
-                                             pistons.other_force(1, at, p.clamping.driven.at(time))
-                                       : p.clamping.driven.at(time);
-        const double force = model::driven_clamping(p.clamping, table, load, lever);
-        at.decided = force > table ? "clamping.safety" : pressures ? "hydraulics.driven_pressure" : "clamping.driven";
-        return force;
+        return table_or(model::carrying_clamping(p.clamping.safety, load, lever), "clamping.safety", p, pistons, at);
     });
     return at;
 }
@@ -176,6 +190,15 @@ void size_driven(const model::Parameters& p, const Pistons& pistons, bool limite
     return times;
 }
 
+/// Whether a chain stays on the sheaves: its groove yields, and pins of a strand touch up to 2.3 pitches before the arc (vl300, baseline).
+[[nodiscard]] bool stays(const model::Parameters& p, const Pistons& pistons, const SizedPoint& at) {
+    constexpr double ahead = 2.3, margin = 1e-4;  // [pitches], [m]
+    const auto [least, most] = std::minmax(at.radius[0], at.radius[1]);
+    const double larger = at.clamping[1] * std::max(1.0, thrust_guess * std::pow(at.ratio, fall_of_thrust));
+    const double pitch = model::chain_length(p.chain) / p.chain.pins;
+    return least - pistons.deeper(larger) >= p.pulley.innermost + margin && std::hypot(most, ahead * pitch) <= p.pulley.outermost - margin;
+}
+
 }  // namespace
 
 double SizedPoint::factor() const noexcept { return load == 0.0 ? INFINITY : limit / std::abs(load); }
@@ -184,12 +207,11 @@ Sizing size_scene(const Scene& scene) {
     const model::Parameters& p = scene.parameters;
     Sizing sizing{{}, reason_against(p), true};
     if (!sizing.objection.empty()) return sizing;
-    constexpr double fall = -0.3;  // exponent by which S_1/S_2 falls with the ratio, about: 1.8 at 0.417, 1.4 at 1, 1.1 at 2.4
     using Badness = double (*)(const SizedPoint&);
     const std::pair<const char*, Badness> kinds[] = {
         {"least safety", [](const SizedPoint& at) { return at.load == 0.0 ? -1.0 : 1.0 / at.factor(); }},
         {"largest S_2", [](const SizedPoint& at) { return at.clamping[1]; }},
-        {"largest S_1", [](const SizedPoint& at) { return at.clamping[1] * std::pow(at.ratio, fall); }},
+        {"largest S_1", [](const SizedPoint& at) { return at.clamping[1] * std::pow(at.ratio, fall_of_thrust); }},
         {"fastest shift", [](const SizedPoint& at) { return at.speed == 0.0 ? -1.0 : std::abs(at.shift) * force_per_shift(at.speed); }}};
     std::vector<SizedPoint> all;
     const Pistons pistons(p);
@@ -212,27 +234,33 @@ Sizing size_for_torque(const Scene& scene, double torque, double safety) {
     constexpr int count = 5;
     const model::Parameters& p = scene.parameters;
     if (p.detail.pulleys == model::PulleyDetail::absent || p.start.layout != model::StartLayout::belt) return {{}, reason_against(p)};
-    std::array<double, 2> radius{};
-    if (const std::string objection = radii_at(p, p.start.ratio, radius); !objection.empty()) return {{}, objection};
-    const auto farthest = [&](double factor) {  // within a thousandth
-        double ratio = p.start.ratio;
-        while (radii_at(p, ratio * factor, radius).empty()) ratio *= factor;
-        return ratio;
-    };
-    const double most = farthest(1.001), least = farthest(1.0 / 1.001);
-    Sizing sizing;
     const Pistons pistons(p);
-    for (int k = 0; k < count; ++k) {
+    const auto sized = [&](double ratio) {
         SizedPoint at;
-        at.ratio = most * std::pow(least / most, static_cast<double>(k) / (count - 1));
+        at.ratio = ratio;
         at.reason = fmt::format("ratio {:.3g}", at.ratio);
         at.speed = p.drive.mode == model::DriveMode::torque ? p.control.reference_speed : p.drive.speed.at(0.0);
         at.load = torque * at.ratio;
-        at.decided = "--safety";
-        (void)radii_at(p, at.ratio, at.radius);
-        size_driven(p, pistons, false, at, [&](double lever) { return model::carrying_clamping(safety, at.load, lever); });
-        sizing.points.push_back(std::move(at));
-    }
+        at.objection = radii_at(p, ratio_of_radii(p, at.ratio), at.radius);
+        size_driven(p, pistons, false, at, [&](double lever) {
+            const double asked = model::carrying_clamping(safety, at.load, lever);
+            at.decided = "--safety";
+            return p.clamping.safety > 0.0 ? table_or(asked, "--safety", p, pistons, at) : asked;
+        });
+        if (at.objection.empty() && !stays(p, pistons, at))
+            at.objection =
+                fmt::format("at ratio {:.4g} the chain runs off the sheaves under S_2 = {:.4g} kN", ratio, 1e-3 * at.clamping[1]);
+        return at;
+    };
+    const auto farthest = [&](double factor) {  // within a thousandth
+        double ratio = p.start.ratio;
+        while (sized(ratio * factor).objection.empty()) ratio *= factor;
+        return ratio;
+    };
+    Sizing sizing{{}, sized(p.start.ratio).objection};
+    if (!sizing.objection.empty()) return sizing;
+    const double most = farthest(1.001), least = farthest(1.0 / 1.001);
+    for (int k = 0; k < count; ++k) sizing.points.push_back(sized(most * std::pow(least / most, static_cast<double>(k) / (count - 1))));
     return sizing;
 }
 

@@ -23,6 +23,7 @@ struct SizedPoint {
     std::array<double, 2> clamping{};  ///< S_1 holds the ratio by the theory of a belt [N]
     std::array<double, 2> piston{};    ///< clamping force without rotating oil and spring [N]
     std::array<double, 2> pressure{};  ///< piston force over the area [Pa]
+    std::array<double, 2> least{};     ///< clamping force of rotating oil and spring alone [N]
     double shift = 0.0;                ///< d ln(ratio)/dt that is asked for [1/s]
     double shifting = 0.0;             ///< S_1 while the ratio shifts so [N]
     double correction = 0.0;           ///< largest of both S_1 beside the table: what control has to add, signed [N]

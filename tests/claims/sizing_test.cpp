@@ -15,6 +15,7 @@
 
 #include "model/machine/belt.hpp"
 #include "model/start/start_state.hpp"
+#include "tasks/run/run.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/sample_fixture.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"
@@ -155,6 +156,42 @@ TEST(Sizing, TurnsATorqueIntoForcesOverTheRatios) {
     for (std::size_t k = 1; k < once.size(); ++k) EXPECT_LT(once[k].clamping[1], once[k - 1].clamping[1]) << "the driving radius grows";
     EXPECT_GT(once.front().ratio, 2.5);
     EXPECT_LT(once.back().ratio, 0.4);
+}
+
+/// The farthest of these ratios are those at which a run keeps its chain on the sheaves, with the stated forces.
+TEST(Sizing, SizesNoMachineWhoseChainLeavesItsSheaves) {
+    for (const auto& [name, torque] : {std::pair{"vl300", 300.0}, {"baseline", 150.0}}) {
+        const auto points = size_for_torque(ready_scene(name), torque, 1.3).points;
+        for (tasks::SizedPoint at : {points.front(), points.back()}) {
+            size_driving(ready_scene(name), at);
+            const auto set = [](const char* key, double value) { return std::string(key) + "=" + std::to_string(value); };
+            tasks::Scene scene =
+                scene_at_level(name, "rigid",
+                               {set("start.ratio", at.ratio), set("control.ratio", at.ratio), "control.enabled=true", "control.gains=found",
+                                "control.authority=40 kN", set("load.torque", at.load), set("clamping.driving", at.clamping[0]),
+                                set("clamping.driven", at.clamping[1]), "start.state=", "run.until=50 ms"});
+            const tasks::RunReport report = tasks::run_scene(scene, {});
+            EXPECT_FALSE(report.fault) << name << " at " << at.ratio << ": " << report.fault.message();
+        }
+    }
+}
+
+/// A step of the target, two points 1 us apart, is no shift; oil that turns presses at least with its force; a floor holds here as well.
+TEST(Sizing, StatesNoForceThatCannotBe) {
+    const tasks::Scene stepped = ready_scene("control", {"control.ratio=[[0, 1], [\"10 ms\", 1], [\"10.001 ms\", 1.1]]"});
+    for (const tasks::SizedPoint& at : size_scene(stepped).points) EXPECT_EQ(at.shift, 0.0) << at.reason;
+    const std::vector<std::string> light{"clamping.safety=1.3", "clamping.driven=0", "load.torque=5", "drive.speed=5000 rpm"};
+    std::vector<std::string> oil = light;
+    oil.emplace_back("hydraulics.mode=force");
+    const tasks::SizedPoint dry = size_scene(ready_scene("baseline", light)).points.front();
+    const tasks::SizedPoint wet = size_scene(ready_scene("baseline", oil)).points.front();
+    EXPECT_LT(dry.clamping[1], dry.least[1]) << "noted by the program";
+    EXPECT_EQ(wet.decided, "rotating oil");
+    EXPECT_NEAR(wet.clamping[1], wet.least[1], 1e-3 * wet.least[1]);
+    const auto points = size_for_torque(ready_scene("vl300", {"clamping.driven=30 kN"}), 300.0, 1.3).points;
+    EXPECT_EQ(points.back().decided, "clamping.driven");
+    EXPECT_EQ(points.back().clamping[1], 30e3);
+    EXPECT_EQ(points.front().decided, "--safety");
 }
 
 TEST(Vl300, HasItsPublishedFigures) {

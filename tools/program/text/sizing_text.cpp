@@ -52,6 +52,13 @@ std::string warnings(const model::Parameters& p, bool of_tables, const SizedPoin
         if (at.pressure[k] > p.hydraulics.relief_pressure * (1.0 + 1e-9))
             warn(fmt::format("{:.4g} bar on shaft {} are above hydraulics.relief_pressure, {:.4g} bar: a larger hydraulics.{}_area",
                              1e-5 * at.pressure[k], k + 1, 1e-5 * p.hydraulics.relief_pressure, k == 0 ? "driving" : "driven"));
+    const bool acts = p.hydraulics.mode != model::HydraulicMode::none;
+    for (const std::size_t k : {1U, 0U})
+        if (at.clamping[k] < at.least[k] || (k == 1 && at.decided == "rotating oil"))
+            warn(fmt::format("S_{} is at least {:.4g} kN: rotating oil and spring alone press so{}", k + 1, 1e-3 * at.least[k],
+                             acts ? "" : " on the pistons of [hydraulics]"));
+    if (const double least = acts ? std::max(0.0, at.least[0]) : 0.0; at.shift != 0.0 && at.shifting < least)
+        warn(fmt::format("S_1 is at least {:.4g} kN: the ratio shifts more slowly than its target", 1e-3 * least));
     if (of_tables && p.control.enabled && p.control.quantity == model::ControlledQuantity::ratio &&
         std::abs(at.correction) > p.control.authority)
         warn(fmt::format("control has to add {:.4g} kN to clamping.driving, its authority is {:.4g} kN: change one of both",
@@ -67,7 +74,7 @@ std::string sizing_lines(const tasks::Scene& scene, const tasks::Sizing& sizing)
     if (sizing.points.empty()) return sizing.objection.empty() ? "" : field("not sized", sizing.objection);
     std::string text;
     const SizedPoint& least = sizing.points.front();
-    if (std::isfinite(least.factor())) {
+    if (sizing.of_tables && std::isfinite(least.factor())) {
         text +=
             field("torque limit",
                   fmt::format("{:.4g} N*m on the driven pulley (2 mu S_2 r_2/cos(beta)); load{} {:.4g} N*m: safety factor {:.3g}",
