@@ -159,7 +159,6 @@ struct TipRows {
     PlaneRow offset_moment;  ///< A g of the tips' forces [N·m]
     Row moment_of_half[2];   ///< moment of the front half's tips on the pitch line behind the pin, of the rear half's ahead [N·m]
     Row moment;              ///< moment of all tips on pitch line i [N·m]
-    Row moment_before;       ///< moment of the last step [N·m]
     CoordinateRows force;    ///< forces of a pin's tips on it
     Row lengthening;         ///< e': outward velocity of an end against the middle as the pin lengthens, mean of halves and ends [m/s]
     TipRow normal;           ///< N: normal force [N]

@@ -197,14 +197,14 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
 /// Moment of this step's tips on pitch line i, n_i·(A_i g_i + A_{i+1} g_{i+1}) and those on the halves that turn with it; and its change,
 /// as a force on pin i+1.
 struct TipMoment {
-    PinLanes moment, before;
+    PinLanes moment;
     Plane thrust;
 
-    TipMoment(const RigidColumns& columns, int i) noexcept : before(read(columns.tip.moment, i)) {
+    TipMoment(const RigidColumns& columns, int i) noexcept {
         const Plane normal = turned(read(columns.line.direction, i));
         const Plane lean = read(columns.tip.offset_moment, i) + read(columns.tip.offset_moment, i + 1);
         moment = dot(normal, lean) + read(columns.tip.moment_of_half[1], i) + read(columns.tip.moment_of_half[0], i + 1);
-        thrust = ((moment - before) * read(columns.line.inverse, i)) * normal;
+        thrust = ((moment - read(columns.tip.moment, i)) * read(columns.line.inverse, i)) * normal;
     }
 };
 
@@ -253,12 +253,11 @@ inline double accelerate_pins(const RigidCoefficients& c, const RigidKick& kick,
                           0.5 * c.slide_mass * kicked(a.slide, v.slide, i, per_slide * slide, step) +
                           0.5 * c.bend_mass * kicked_both(a.bend, v.bend, per_bend * bend));
         write(columns.tip.moment, i, tips.moment);
-        write(columns.tip.moment_before, i, tips.before);
         write(columns.plate.friction_before, i, rear);
         write(columns.plate.moment_before, i, read(columns.plate.moment, i));
         write(columns.joint.friction_before, i, read(columns.joint.friction, i));
     }
-    wrap(columns, {columns.tip.moment, columns.tip.moment_before});
+    wrap(columns, columns.tip.moment);
     wrap(columns, columns.plate.moment_before);
     return energy.value();
 }
