@@ -1,5 +1,5 @@
 #pragma once
-/// The one rule for files that are written. docs/security.md promises it to users:
+/// The one rule for files that are written. docs/records.md promises it to users:
 ///
 ///     A command replaces a file only if that file is of the kind that the command writes and of the same scene, run or sweep, or --force
 ///     is given; FILE.part and every side file counts as FILE. An input is never replaced, not even with --force. A command removes nothing
