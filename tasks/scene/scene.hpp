@@ -145,7 +145,7 @@ void set_value(Scene& scene, std::string_view setting);
 /// Keys that determine the layout or meaning of the state vector. A state file is valid for one value of each.
 [[nodiscard]] std::span<const std::string_view> state_keys() noexcept;
 
-/// A level of detail: a name for some of the dials of [detail]. Cost and error were measured at seven operating points (docs/detail.md).
+/// A level of detail: a name for some of the dials of [detail]. Cost and error were measured at seven operating points (docs/accuracy.md).
 /// Errors are typical: half of the points have smaller ones.
 struct DetailPreset {
     std::string_view name;
