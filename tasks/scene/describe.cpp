@@ -213,8 +213,9 @@ std::string write_scene(const Scene& scene) {
         const bool has_unit = !parameter.unit.empty() && parameter.unit != "1";
         const std::string value = value_text(parameter, scene);
         const auto unit = has_unit && !value.starts_with('"') ? fmt::format("  # {}", parameter.unit) : "";
-        const char* left_out = lacks_floor(scene, parameter.key) ? "# " : "";  // not given
-        text += fmt::format("{}{} = {}{}\n", left_out, parameter.name(), value, unit);
+        const bool follows = lacks_floor(scene, parameter.key) &&  // not given: reading the text gives it again
+                             value == (is_derived(scene, parameter.key) ? number_text(0.0) : value_text(parameter, Scene{}));
+        text += fmt::format("{}{} = {}{}\n", follows ? "# " : "", parameter.name(), value, unit);
     }
     return text;
 }

@@ -93,6 +93,9 @@ TEST(ClampingSafety, HasAFloorWhereTheSceneGivesOneAlone) {
     set_value(scene, "clamping.safety=1.3");
     EXPECT_EQ(least(scene), std::pair(0.0, pressure)) << "no text makes a floor of a default";
     EXPECT_THAT(message_of_settings(scene, {"load.torque=0"}), testing::HasSubstr("without a load at t = 0 shaft 2 has no clamping force"));
+    Scene changed = scene;
+    changed.parameters.clamping.driven = model::TimeTable(7e3);
+    EXPECT_EQ(least(parse_scene(write_scene(changed), "again.toml")), std::pair(7e3, pressure));
     set_value(scene, "hydraulics.mode=pressure");
     EXPECT_EQ(least(scene), std::pair(force, 0.0));
     set_value(scene, "hydraulics.driven_pressure=3 bar");
