@@ -35,7 +35,7 @@ FLOORS = {
 }
 
 
-class SourceFile(NamedTuple):
+class _SourceFile(NamedTuple):
     path: str  # relative to the top level, with slashes
     text: str
 
@@ -49,7 +49,7 @@ class SourceFile(NamedTuple):
         return self.path.partition("/")[0]
 
 
-class Include(NamedTuple):
+class _Include(NamedTuple):
     line: int
     name: str
     quoted: bool
@@ -59,13 +59,13 @@ class Include(NamedTuple):
 def source_files():
     """All .cpp and .hpp files below the source folders, ascending by path."""
     paths = [path for folder in FOLDERS for path in (TOP / folder).rglob("*.[ch]pp")]
-    return sorted(SourceFile(path.relative_to(TOP).as_posix(), path.read_text(encoding="utf-8")) for path in paths)
+    return sorted(_SourceFile(path.relative_to(TOP).as_posix(), path.read_text(encoding="utf-8")) for path in paths)
 
 
 def includes_of(text):
     found = re.compile(r"\s*#\s*include\s*([<\"])([^>\"]+)[>\"]")
     matches = ((number, found.match(line)) for number, line in enumerate(text.split("\n"), 1))
-    return [Include(number, match[2], match[1] == '"') for number, match in matches if match]
+    return [_Include(number, match[2], match[1] == '"') for number, match in matches if match]
 
 
 def third_party(name):

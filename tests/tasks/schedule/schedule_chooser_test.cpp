@@ -81,8 +81,6 @@ TEST(ScheduleChooser, UsesNoMoreThreadsThanPayAndGivesBackThoseThatNoLongerDo) {
     EXPECT_EQ(many_threads[static_cast<std::size_t>(other.chosen())], 4) << "2.4 % slower than eight threads";
 }
 
-int still(double) { return 30; }
-
 TEST(ScheduleChooser, AsksWithinItsShareOfTheTime) {
     ScheduleChooser chooser(many_threads, {});
     double time = 0.0, asked = 0.0;
