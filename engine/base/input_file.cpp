@@ -117,7 +117,7 @@ std::string read_text_input(const std::string& path, std::uint64_t most, double 
 FileIdentity identity_of(const std::string& path) noexcept {
     struct stat file {};
     if (stat(path.c_str(), &file) != 0) return {};
-    return {file.st_dev, file.st_ino, file.st_size, file.st_mtim.tv_sec, file.st_mtim.tv_nsec};
+    return {file.st_dev, file.st_ino, file.st_size, file.st_mtim.tv_sec, file.st_mtim.tv_nsec, file.st_uid};
 }
 
 }  // namespace cvtflow::engine

@@ -55,10 +55,11 @@ private:
     std::uint64_t size_ = 0;
 };
 
-/// Identity of a file: device, number, size and time of change.
+/// Identity of a file: device, number, size, time of change and owner.
 struct FileIdentity {
     std::uint64_t device = 0, number = 0;
     std::int64_t size = 0, seconds = 0, nanoseconds = 0;
+    std::uint64_t owner = 0;
     bool operator==(const FileIdentity&) const = default;
 };
 /// All zeros for a file that is not there.

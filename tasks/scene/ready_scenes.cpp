@@ -1,7 +1,6 @@
 #include "tasks/scene/ready_scenes.hpp"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <cinttypes>
@@ -42,10 +41,8 @@ fs::path own_folder() {
 /// First line of a plain file of root or of the program's owner, in a folder in which not everyone may write; empty: another file, or none.
 std::string own_note(const fs::path& path, const fs::path& program) {
     std::error_code unknown;
-    struct stat note {
-    }, place{};
-    if (::stat(path.string().c_str(), &note) != 0 || ::stat(program.string().c_str(), &place) != 0) return {};
-    if (note.st_uid != 0 && note.st_uid != place.st_uid) return {};
+    const auto owner = engine::identity_of(path.string()).owner;
+    if (owner != 0 && owner != engine::identity_of(program.string()).owner) return {};
     const fs::perms folder = fs::status(path.parent_path(), unknown).permissions();
     const bool everyones = unknown || (folder & fs::perms::others_write) != fs::perms::none;
     if (everyones || !fs::is_regular_file(fs::symlink_status(path, unknown))) return {};
