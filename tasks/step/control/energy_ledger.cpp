@@ -133,7 +133,7 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
     }
     m_.add_noise(power, spacing);
     m_.power = now.loss;
-    m_.close_sample(time);
+    m_.close_sample(time, window);
 }
 
 /// Fourth differences hold what the trapezoidal rule cannot see, 70 times for noise without memory, and little of what passes smoothly.
@@ -158,10 +158,10 @@ void EnergyLedger::sample_counted(double time, double pin_period) noexcept {
     for (std::size_t k = 0; k < m_.inputs.work.size(); ++k) m_.energy_in += std::max(0.0, m_.inputs.work[k] - m_.work_sampled[k]);
     m_.stored = account_.stored;
     m_.max_stored = std::max(m_.max_stored, m_.stored);
-    m_.close_sample(time);
+    m_.close_sample(time, std::clamp(pin_period, window, longest_window));
 }
 
-void EnergyLedger::Memory::close_sample(double time) noexcept {
+void EnergyLedger::Memory::close_sample(double time, double length) noexcept {
     sampled = time;
     work_sampled = inputs.work;
     samples += 1.0;
@@ -171,7 +171,7 @@ void EnergyLedger::Memory::close_sample(double time) noexcept {
         judged_from = time < 0.0 ? 0.5 * time : time;
         all = part = here();
     }
-    if (time - part.begin >= std::clamp(pin_period, window, longest_window)) close_window();
+    if (time - part.begin >= length) close_window();
 }
 
 /// A residual that noise can explain is evaluated again; one that it cannot explain is kept.

@@ -148,8 +148,9 @@ struct JudgedBalance {
 
 class EnergyLedger {
 public:
-    /// Least time after which a balance is judged by itself [s], a pin period where that is longer, as pins that strike their sheaves store
-    /// energy: what went wrong once is not forgotten in what follows. A chain that nearly stands is judged after `longest_window`.
+    /// Least time after which a balance is judged by itself [s]: what went wrong once is not forgotten in what follows. Where energies are
+    /// counted it is a pin period, if that is longer, as pins that strike their sheaves store energy, and `longest_window` at most. Sampled
+    /// losses are judged sooner: a residual that noise can explain makes the next window's samples lie closer.
     static constexpr double window = 2e-3, longest_window = 0.1;
     /// Time after a jump, the beginning among them, in which samples lie closer [s].
     static constexpr double dense_time = 5e-4;
@@ -237,8 +238,8 @@ private:
         [[nodiscard]] EnergyMark here() const noexcept;
         [[nodiscard]] EnergyBalance balance_since(const EnergyMark& span) const noexcept;
         [[nodiscard]] JudgedBalance judge(const EnergyMark& span) const noexcept;
-        /// Everything about a sample is known but for its consequences. time [s]
-        void close_sample(double time) noexcept;
+        /// Everything about a sample is known but for its consequences. time [s]; length of a window [s]
+        void close_sample(double time, double length) noexcept;
         void close_window() noexcept;
         /// Calls visitor(name, numbers) for each field. `memory` is a Memory or a const one.
         template <class AnyMemory, class Visitor>
