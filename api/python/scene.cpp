@@ -71,6 +71,9 @@ void bind_tune(py::module_& module) {
                "measured, or taken from the cache. Takes seconds to minutes. Ctrl-C ends it.");
 }
 
+/// The text, with a floor that the scene does not give (a comment there) as if it did: scenes are equal if all keys have equal values.
+[[nodiscard]] py::str values_of(const Scene& scene) { return py::str(scene.text()).attr("replace")("\n# ", "\n"); }
+
 void bind_keys(py::module_& module) {
     py::class_<KeyInfo>(module, "KeyInfo", "A key of scenes.")
         .def_readonly("name", &KeyInfo::name, "e.g. load.torque")
@@ -121,8 +124,8 @@ void bind_scene(py::module_& module) {
         .def_property_readonly("name", &Scene::name, "Name of the scene.")
         .def_property_readonly("description", &Scene::description, "Description, one line.")
         .def_property_readonly("text", &Scene::text, "The scene as TOML with every key.")
-        .def("__eq__", [](const Scene& one, const Scene& other) { return one.text() == other.text(); })
-        .def("__hash__", [](const Scene& self) { return py::hash(py::str(self.text())); })
+        .def("__eq__", [](const Scene& one, const Scene& other) { return values_of(one).equal(values_of(other)); })
+        .def("__hash__", [](const Scene& self) { return py::hash(values_of(self)); })
         .def(py::pickle([](const Scene& scene) { return py::make_tuple(scene.text()); },
                         [](const py::tuple& kept) { return Scene::parse(kept[0].cast<std::string>()); }));
     bind_tune(module);
