@@ -119,11 +119,11 @@ TEST(SteadyMeans, AreOfControlWhereItMovesTheSheave) {
     const auto means = [&](double cylinder, double pin_period) {
         return means_that([](model::Observation&) {}, 0.3, rule, pin_period, cylinder);
     };
-    const RunMeans calm = means(0.7, period);
+    const RunMeans calm = means(1.4, period);
     EXPECT_TRUE(calm.rule().holds_sheave());
-    EXPECT_GE(calm.steady().error[6].sum(), 2.0 * 0.7);
+    EXPECT_GE(calm.steady().error[6].sum(), 1.4);
     EXPECT_LT(calm.steady().error[6].mean, 200.1);
-    EXPECT_FALSE(means(1.0, period).rule().holds_sheave());  // 0.4 % of 200 W are 0.8 W
+    EXPECT_FALSE(means(1.8, period).rule().holds_sheave());  // 0.8 % of 200 W are 1.6 W
     EXPECT_FALSE(means(0.0, 1.2e-3).rule().holds_sheave());
 }
 
