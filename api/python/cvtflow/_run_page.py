@@ -1,6 +1,7 @@
 """Pages of records: what was found, simulated and recorded, of one or of several side by side."""
 
 import math
+import re
 
 import numpy as np
 
@@ -78,7 +79,7 @@ def _main(record):
 
 def _errors(record):
     """Errors of means by channel, as the summary states them: of the last half of a run that ends when it is steady, else of all rows."""
-    stated = dict(line.split(": ") for line in str(record.attributes.get("errors_of_means", "")).splitlines())
+    stated = dict(re.findall(r"(?m)^(.+): (-?[\d.]+(?:e[-+]\d+)?|nan|inf)$", str(record.attributes.get("errors_of_means", ""))))
     names = {"tight tension": "tight_tension", "slack tension": "slack_tension", "thrust ratio": "thrust_ratio", "slip by friction": "friction_slip"}
     return {names.get(name, name): float(error) for name, error in stated.items()}
 

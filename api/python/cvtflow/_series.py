@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -235,8 +236,8 @@ class Record(Series, Mapping[str, Array]):
 
     def _spans(self):
         """Means of the run's summary by name, with their begin and end [s]: of the run, and of its last fifth."""
-        return self._once("spans", lambda: [dict(zip(words[::2], map(float, words[1::2])))
-                                            for words in map(str.split, str(self.attributes.get("means", "")).splitlines())])
+        return self._once("spans", lambda: [{name: float(value) for name, value in re.findall(r"(\S+) (-?[\d.]+(?:e[-+]\d+)?|nan)", line)}
+                                            for line in str(self.attributes.get("means", "")).splitlines() if line.startswith("begin ")])
 
     def _begin(self):
         return self._spans()[0]["begin"] if self._spans() else super()._begin()
