@@ -86,7 +86,7 @@ def in_percent(channel):
 
 def shown_factor(channel):
     """From the record to the page: per cent, rpm, kN."""
-    return 30 / numpy.pi if channel.endswith("/speed") else 1e-3 if "tension" in channel else in_percent(channel)
+    return 30 / numpy.pi if channel.endswith("/speed") else 1e-3 if "tension" in channel or channel.endswith("/clamping") else in_percent(channel)
 
 
 class Page(unittest.TestCase):
