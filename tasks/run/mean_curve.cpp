@@ -174,7 +174,6 @@ constexpr double rail_time = 0.1;        ///< correlation time of impacts, longe
 constexpr double often_limited = 0.05;   ///< share of time at its limit above which a control holds nothing
 constexpr double moved_share = 0.8;      ///< of the tolerance: losses of the cylinders under control above which no sheave is held
 constexpr double longest_held_period = 1.1e-3;  ///< with slower pins these losses grow up to eleven times after 24 periods [s]
-constexpr double growth_of_cylinder = 1.0;      ///< those losses in the long run over those in the second half of 24 pin periods of control
 constexpr double most_slip = 0.1;           ///< slip above which load or clamping decide alone; a chain that holds creeps by a hundredth
 constexpr double growth_of_sliding = 1.1;   ///< growth from one half of the window to the other; an imposed slip does not grow
 constexpr double min_noted_slip = 3e-3;     ///< smallest slip to which errors are relative in notes: steps are exact to 3e-5 of a speed
@@ -429,7 +428,7 @@ SteadyMeans steady_means(const MeanCurve& curve, const SteadyRule& rule) noexcep
     const double of_ratio = static_cast<double>(periods) < rule.limit ? share_of_ratio : share_at_end;
     means.judge(rule.tolerance, held && !rule.holds_sheave() ? of_ratio : 1.0, min_steady_slip, efficiency);
     add_unseen_slip(means, rule.holds_sheave());
-    add_of_losses(growth_of_cylinder * cylinder, &MeanError::drift, means);
+    add_of_losses(cylinder, &MeanError::drift, means);
     judge_swing(points.subspan(means.begin), means);
     const MeanPoint& middle = points[means.begin + batches / 2 * means.batch];
     const double earlier = std::abs(middle.mean_since(begin, Mean::friction_slip));
