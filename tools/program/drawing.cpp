@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "engine/base/text.hpp"
+#include "tools/program/front.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::tools {
@@ -59,44 +60,15 @@ private:
     int number_;
 };
 
-/// Whether others may change a file or folder: it is absent, everyone may write it, or its owner is neither root nor this user nor the
-/// program's owner.
-bool is_open_to_others(const fs::path& path, uid_t owner_of_program) {
-    struct stat found {};
-    if (::stat(path.c_str(), &found) != 0 || (found.st_mode & S_IWOTH) != 0) return true;
-    return found.st_uid != 0 && found.st_uid != geteuid() && found.st_uid != owner_of_program;
-}
-
-std::string interpreter() {
-    const char* named = std::getenv("CVTFLOW_PYTHON");
-    if (named == nullptr || *named == '\0') return CVTFLOW_PYTHON_FOUND;
-    if (!fs::path(named).is_absolute()) throw UsageError(fmt::format("CVTFLOW_PYTHON={}: expected an absolute path", named));
-    return named;
-}
-
-/// The file of the package that is started: of this build folder, or of the installation that contains this program.
-fs::path package_file() {
-    const fs::path program = fs::canonical("/proc/self/exe"), build = CVTFLOW_BUILD_FOLDER;
-    const bool built = std::mismatch(build.begin(), build.end(), program.begin(), program.end()).first == build.end();
-    const fs::path place = (built ? build / "prefix/cvtflow" : program.parent_path().parent_path()) / CVTFLOW_PYTHON_DIR;
-    const fs::path file = place / "cvtflow/_draw.py";
-    struct stat of_program {};
-    if (::stat(program.c_str(), &of_program) == 0 && !is_open_to_others(file, of_program.st_uid) &&
-        !is_open_to_others(file.parent_path(), of_program.st_uid))
-        return file;
-    throw std::runtime_error(fmt::format(
-        "the Python package that draws is not in {}, or others may change it there: install cvtflow completely", place.string()));
-}
-
 /// Variables that a child process gets: what libraries are searched by, where temporary files go.
-std::vector<std::string> environment() {
+std::vector<std::string> variables() {
     std::vector<std::string> settings{"PATH=/usr/bin:/bin", "LC_ALL=C.UTF-8", "HDF5_USE_FILE_LOCKING=FALSE", "OPENBLAS_NUM_THREADS=1"};
     for (const char* name : {"LD_LIBRARY_PATH", "TMPDIR", "CVTFLOW_TRACE"})
         if (const char* value = std::getenv(name)) settings.push_back(fmt::format("{}={}", name, value));
     return settings;
 }
 
-std::vector<char*> pointers(std::vector<std::string>& texts) {
+std::vector<char*> as_pointers(std::vector<std::string>& texts) {
     std::vector<char*> all;
     for (std::string& text : texts) all.push_back(text.data());
     all.push_back(nullptr);
@@ -105,8 +77,8 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 
 /// Exit status of the package, or 128 + signal. @throws std::runtime_error if it cannot be started
 int run_package(const MemoryFile& input, const MemoryFile& output, const MemoryFile& messages, bool reports) {
-    const std::string python = interpreter();
-    std::vector<std::string> words{python, "-I", "-B", "-X", "utf8", package_file().string()}, settings = environment();
+    const std::string python = python_interpreter();
+    std::vector<std::string> words{python, "-I", "-B", "-X", "utf8", python_package("_draw.py")}, settings = variables();
     const int progress = reports ? fcntl(STDERR_FILENO, F_DUPFD, 64) : -1;
     if (progress >= 0) settings.push_back(fmt::format("CVTFLOW_PROGRESS={}", progress));
     posix_spawn_file_actions_t actions;
@@ -114,7 +86,7 @@ int run_package(const MemoryFile& input, const MemoryFile& output, const MemoryF
     int stream = 0;
     for (const MemoryFile* file : {&input, &output, &messages}) posix_spawn_file_actions_adddup2(&actions, file->number(), stream++);
     pid_t child = -1;
-    const int failed = posix_spawn(&child, words[0].c_str(), &actions, nullptr, pointers(words).data(), pointers(settings).data());
+    const int failed = posix_spawn(&child, words[0].c_str(), &actions, nullptr, as_pointers(words).data(), as_pointers(settings).data());
     posix_spawn_file_actions_destroy(&actions);
     if (progress >= 0) ::close(progress);
     if (failed != 0)

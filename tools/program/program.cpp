@@ -15,6 +15,7 @@
 #include "engine/record/run/schema.hpp"
 #include "model/kernels/available_isas.hpp"
 #include "tasks/scene/ready_scenes.hpp"
+#include "tools/program/front.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::tools {
@@ -98,6 +99,25 @@ int act(const CLI::App& app, const Program& program, const std::vector<Action>& 
     return static_cast<int>(status);
 }
 
+/// Hands a command of Python's over to it; --isa may stand before or behind the command. Returns for every other command line.
+void become_python_for(const Program& program, int argc, char** argv) {
+    std::vector<std::string> words;
+    std::string isa;
+    for (int k = 1; k < argc; ++k) {
+        const std::string word = argv[k];
+        if (word == "--isa" && k + 1 < argc)
+            isa = argv[++k];
+        else if (word.starts_with("--isa="))
+            isa = word.substr(std::string_view("--isa=").size());
+        else
+            words.push_back(word);
+    }
+    const auto command = std::ranges::find(program.commands, words.empty() ? "" : words.front(), &Command::name);
+    if (command == program.commands.end() || command->declare != nullptr) return;
+    if (!isa.empty()) choose_isa(isa);
+    become_python(words);
+}
+
 int execute(const Program& program, int argc, char** argv) {
     CLI::App app(std::string(program.description) + ".", std::string(program.name));
     app.set_version_flag("--version", version_text, "Print version, build and machine");
@@ -111,12 +131,13 @@ int execute(const Program& program, int argc, char** argv) {
         CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.description) + ".");
         sub->group(std::string(command.group));
         sub->fallthrough();  // --isa may follow the command
-        actions.push_back(command.declare(*sub));
+        actions.push_back(command.declare == nullptr ? Action() : command.declare(*sub));
     }
     app.footer(
         fmt::format("{} COMMAND --help describes a command. First steps:\n{}\n\n{}", program.name, program.first_steps, exit_status_table));
     if (argc > 1 && argv[1][0] != '-' && !is_command(program, argv[1])) return static_cast<int>(ExitStatus::usage);
     try {
+        become_python_for(program, argc, argv);
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return report_parse_error(app, error);

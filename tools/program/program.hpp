@@ -20,7 +20,7 @@ struct Command {
     std::string_view name;
     std::string_view group;            ///< heading in the help text
     std::string_view description;      ///< one line
-    Action (*declare)(CLI::App& app);  ///< declares arguments; they live in the returned action
+    Action (*declare)(CLI::App& app);  ///< declares arguments; they live in the returned action. nullptr: a command of Python
 };
 
 struct Program {

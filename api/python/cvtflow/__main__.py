@@ -1,0 +1,25 @@
+"""Commands of the program that Python carries out. `cvtflow NAME …` executes this file: `python3 -I -B -X utf8 __main__.py NAME …`.
+
+Each command is a module of commands/ with `declare(parser)` and `act(arguments)`, which returns an exit status (None: 0). The package is
+loaded from the folder of this file, whatever else has its name.
+"""
+
+import importlib.util
+import os
+import sys
+
+COMMANDS = {}  # module of commands/ by name
+
+
+def _load_package():
+    """Loads the package of this folder as `cvtflow`."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    spec = importlib.util.spec_from_file_location("cvtflow", os.path.join(here, "__init__.py"), submodule_search_locations=[here])
+    sys.modules["cvtflow"] = importlib.util.module_from_spec(spec)  # executed by _front.library(), by commands that step or read records
+
+
+if __name__ == "__main__":
+    _load_package()
+    from cvtflow.commands import _front
+
+    sys.exit(_front.main(COMMANDS, sys.argv[1:]))

@@ -1,0 +1,23 @@
+#pragma once
+/// Commands that Python carries out: this process becomes the interpreter, so signals, terminal and exit status are the command's own.
+
+#include <span>
+#include <string>
+
+namespace cvtflow::tools {
+
+/// Replaces this process by the Python package of this installation or build folder: `python3 -I -B -X utf8 PACKAGE/__main__.py WORDS`.
+///
+/// The interpreter is CVTFLOW_PYTHON, an absolute path, else the one that CMake found. It runs isolated and with few variables of the
+/// environment: nothing in the working folder, PYTHONPATH or the user's packages has an effect. CVTFLOW_PROGRAM names this program to it.
+/// @param words  command and arguments
+/// @throws UsageError, std::runtime_error: what to install where package or interpreter is missing
+[[noreturn]] void become_python(std::span<const std::string> words);
+
+/// The interpreter that runs the package. @throws UsageError for a relative CVTFLOW_PYTHON
+[[nodiscard]] std::string python_interpreter();
+/// A file of the package of this build folder, or of the installation that contains this program. @throws std::runtime_error where it is
+/// not there, or others may change it
+[[nodiscard]] std::string python_package(const std::string& name);
+
+}  // namespace cvtflow::tools
