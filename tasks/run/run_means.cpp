@@ -27,35 +27,6 @@ constexpr double resolved_share = 0.05;  ///< share of the losses that the balan
 constexpr double periods_of_control = 24.0;  ///< pin periods of ratio control before a sheave is held
 constexpr double takes_energy = 0.02;        ///< share of the input; 7e-4 over 11 pin periods of the settled baseline
 
-constexpr NoteKind kinds[] = {
-    {"gross_slip", "mean slip above 3 % in a fiftieth of the run, of at least four pin periods, or in all of it"},
-    {"control_limit",
-     "a controller was at the limit of its authority in more than 5 % of the last fifth; where the target changes, of the run"},
-    {"target_missed",
-     "the mean of what the first controller holds is off its target by more than 1 % in the last fifth; where the target changes, in any; "
-     "where control.when_steady = \"hold\", by more than 0.3 %"},
-    {"control_swing",
-     "a clamping force that a controller makes swings: its standard deviation is above 5 % of its mean in each of the last four times 64 "
-     "pin periods, or in each quarter of the last fifth if that is shorter"},
-    {"slack_strand", "a strand carried no tension in more than 5 % of the last fifth"},
-    {"clamping_limit", "a clamping force was above wear.clamping_limit at the slip speed at some time"},
-    {"clamping_floor",
-     "clamping.driven, or hydraulics.driven_pressure, decided the clamping force of shaft 2 in more than 5 % of the time, and not "
-     "clamping.safety"},
-    {"efficiency", "more is lost than comes in, in the whole run or in its last fifth: there is no efficiency"},
-    {"unsteady",
-     "the state changes: a mean of thrust ratio, tensions, slips or losses certainly moves by more than 1 % of it (slips below 0.3 %: of "
-     "0.3 %) from begin to end, of the ratio by more than 0.1 %; the stored energy changes by more than 2 % of the input; or it was seen "
-     "for less than a pin period"},
-    {"uncertain",
-     "means are not known to 1 %: an error of those means, by trend and scatter, is above these limits, or there are fewer than four pin "
-     "periods, which do not show it"},
-    {"standstill", "the shafts turn by less than 0.1 rad/s: slip is noise"},
-    {"no_load", "drive and load transfer less power than the machine loses: slip and efficiency are those of idling"},
-    {"cycle_missed", "speed or work of shaft 2 are off what the cycle needs by more than 2 % of the run's; the status of the run as well"},
-    {"unresolved", "losses below the resolution of the energy balance: it would not show an error of 5 % in them"},
-};
-
 /// Absolute tolerance of a balance [J]; 0 if there are too few samples to judge it.
 [[nodiscard]] double unresolved(EnergyBalance balance) noexcept {
     constexpr double min_samples = 10.0;
@@ -121,8 +92,6 @@ void fill_energies(const MeanPoint& before, const MeanPoint& after, SpanMeans& m
 }
 
 }  // namespace
-
-std::span<const NoteKind> note_kinds() noexcept { return kinds; }
 
 std::string SpanMeans::text() const {
     std::string words = fmt::format("begin {} end {} thrust_ratio {}", begin, end, clamping[0] / clamping[1]);
@@ -345,8 +314,8 @@ struct Controlled {
     int fifth = 4;
 };
 
-/// Whether each of note_kinds() applies.
-[[nodiscard]] std::array<bool, std::size(kinds)> odd(const RunMeans& means, const EnergyBalance& balance) {
+/// Whether each of note_kinds applies.
+[[nodiscard]] std::array<bool, std::size(note_kinds)> odd(const RunMeans& means, const EnergyBalance& balance) {
     if (means.curve().empty()) return {};
     const SpanMeans whole = means.all(), last = means.fifth(4);
     const auto lives_on_itself = [](const SpanMeans& span) { return span.input > 0.0 && span.lost > span.input; };
@@ -373,7 +342,7 @@ struct Controlled {
 }  // namespace
 
 std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, bool pulleys) {
-    std::array<bool, std::size(kinds)> found = odd(means, balance);
+    std::array<bool, std::size(note_kinds)> found = odd(means, balance);
     if (!pulleys) std::fill(found.begin(), found.end() - 1, false);
     const SpanMeans whole = means.all(), last = means.fifth(4);
     const Controlled control(means);
@@ -406,16 +375,16 @@ std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, boo
     };
     std::vector<Note> notes;
     for (std::size_t k = 0; k < found.size(); ++k) {
-        if (found[k]) notes.push_back({kinds[k].name, texts[k]});
+        if (found[k]) notes.push_back({note_kinds[k].name, texts[k]});
     }
     return notes;
 }
 
 void name_notes(const RunMeans& means, const EnergyBalance& balance, std::string& names) {
-    const std::array<bool, std::size(kinds)> found = odd(means, balance);
+    const std::array<bool, std::size(note_kinds)> found = odd(means, balance);
     names.clear();
     for (std::size_t k = 0; k < found.size(); ++k) {
-        if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);
+        if (found[k]) names.append(names.empty() ? "" : " ").append(note_kinds[k].name);
     }
 }
 

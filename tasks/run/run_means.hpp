@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tasks/run/mean_curve.hpp"
+#include "tasks/run/note_kinds.hpp"
 #include "tasks/step/fault.hpp"
 
 namespace cvtflow::tasks {
@@ -126,11 +127,6 @@ private:
     bool ended_ = false;
 };
 
-/// Names of all notes with their meanings, for `--help`, documents and tests.
-struct NoteKind {
-    std::string_view name, meaning;
-};
-[[nodiscard]] std::span<const NoteKind> note_kinds() noexcept;
 /// Notes on unusual results. @param balance of the run   @param pulleys whether there are any: else only losses are checked
 [[nodiscard]] std::vector<Note> notes(const RunMeans& means, const EnergyBalance& balance, bool pulleys = true);
 /// Writes the names of notes to `names`, separated by blanks.

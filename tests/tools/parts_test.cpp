@@ -178,7 +178,7 @@ TEST_F(ProgramParts, ProgressIsReportedInPlainLinesWhereThereIsNoTerminal) {
 /// Every note that a record or a sweep can have.
 TEST_F(ProgramParts, ListEveryNote) {
     const std::string notes = run({"list", "notes"}).out;
-    for (const tasks::NoteKind& kind : tasks::note_kinds())
+    for (const tasks::NoteKind& kind : tasks::note_kinds)
         EXPECT_THAT(notes, testing::ContainsRegex(fmt::format("\n{} +[a-z]", kind.name))) << kind.meaning;
 }
 

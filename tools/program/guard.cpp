@@ -63,6 +63,22 @@ ExitStatus exit_status(const tasks::RunReport& report) noexcept {
     return !report.reliable() ? ExitStatus::unreliable : report.whole.cycle_missed() ? ExitStatus::missed : ExitStatus::finished;
 }
 
+std::string exit_status_table() {
+    constexpr std::size_t indent = 7, width = 80;
+    std::string table = "Exit status:";
+    for (const auto& [status, meaning] : tasks::exit_statuses) {
+        std::string line = fmt::format("\n  {:<5}", static_cast<int>(status));
+        std::size_t column = indent;
+        for (const std::string& word : engine::words_of(meaning)) {
+            const bool fits = column + word.size() < width;
+            line += column == indent ? word : fits ? " " + word : "\n" + std::string(indent, ' ') + word;
+            column = (fits ? column : indent) + word.size() + 1;
+        }
+        table += line;
+    }
+    return table;
+}
+
 void name_program(std::string_view name) noexcept { name_in_messages = name; }
 std::string_view program_name() noexcept { return name_in_messages; }
 

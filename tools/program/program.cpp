@@ -133,8 +133,8 @@ int execute(const Program& program, int argc, char** argv) {
         sub->fallthrough();  // --isa may follow the command
         actions.push_back(command.declare == nullptr ? Action() : command.declare(*sub));
     }
-    app.footer(
-        fmt::format("{} COMMAND --help describes a command. First steps:\n{}\n\n{}", program.name, program.first_steps, exit_status_table));
+    app.footer(fmt::format("{} COMMAND --help describes a command. First steps:\n{}\n\n{}", program.name, program.first_steps,
+                           exit_status_table()));
     if (argc > 1 && argv[1][0] != '-' && !is_command(program, argv[1])) return static_cast<int>(ExitStatus::usage);
     try {
         become_python_for(program, argc, argv);

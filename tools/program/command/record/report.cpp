@@ -46,7 +46,7 @@ void add_meanings(Json& request) {
     const tasks::Scene usual;
     for (const tasks::Parameter& key : tasks::parameter_table())
         request["keys"][std::string(key.key)] = {tasks::readable_value(key, usual), key.meaning};
-    for (const tasks::NoteKind& kind : tasks::note_kinds()) request["notes"][std::string(kind.name)] = kind.meaning;
+    for (const tasks::NoteKind& kind : tasks::note_kinds) request["notes"][std::string(kind.name)] = kind.meaning;
 }
 
 void add_record(Json& request, const std::string& file) {

@@ -49,8 +49,7 @@ std::string meaning_of(const std::string& word) {
     const auto channels = tasks::channels();
     if (const auto channel = std::ranges::find(channels, word, &tasks::Channel::name); channel != channels.end())
         return fmt::format("{}\n  {}\n  channel of records; unit: {}\n", channel->name, channel->description, channel->unit);
-    const auto notes = tasks::note_kinds();
-    if (const auto note = std::ranges::find(notes, word, &tasks::NoteKind::name); note != notes.end())
+    if (const auto* note = std::ranges::find(tasks::note_kinds, word, &tasks::NoteKind::name); note != std::end(tasks::note_kinds))
         return fmt::format("{}\n  {}\n  note of runs and cases\n", note->name, note->meaning);
     return {};
 }

@@ -131,7 +131,7 @@ std::string sweeps() {
 
 std::string notes() {
     Table table({{"note"}, {"meaning"}});
-    for (const tasks::NoteKind& kind : tasks::note_kinds()) table.add({std::string(kind.name), std::string(kind.meaning)});
+    for (const tasks::NoteKind& kind : tasks::note_kinds) table.add({std::string(kind.name), std::string(kind.meaning)});
     return table.text() +
            "\nA note is a condition under which means of a run are read with care. Summaries of runs, reports, and the column "
            "\"notes\" of sweeps have them.\n";
