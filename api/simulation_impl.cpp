@@ -76,13 +76,15 @@ void HostCallbacks::on_transition(std::function<void(Simulation&, const Transiti
 
 void HostCallbacks::restart(double now) {
     transitions_.clear();
+    pulled_.clear();
     if (output_) outputs_ = next_output(now, interval_);
 }
 
 void HostCallbacks::transition(const tasks::TransitionRecord& record) {
     if (recorder != nullptr) recorder->transition(record);
-    if (!transition_) return;
-    transitions_.push_back({record.time, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to)});
+    const Transition now{record.time, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to)};
+    if (transition_) transitions_.push_back(now);
+    if (pulls_) pulled_.push_back(now);
 }
 
 double HostCallbacks::next_stop(double now, double until) const noexcept {

@@ -69,6 +69,13 @@ public:
         recorder->sample(time, workspace, counters);
     }
     void transition(const tasks::TransitionRecord& record) override;
+    /// Transitions since forget_pulled(). @param collects whether they are collected from now on
+    [[nodiscard]] const std::vector<Transition>& pull(bool collects) {
+        pulls_ = collects;
+        if (!collects) pulled_.clear();
+        return pulled_;
+    }
+    void forget_pulled() noexcept { pulled_.clear(); }
 
     tasks::RunObserver* recorder = nullptr;
 
@@ -80,6 +87,8 @@ private:
     std::shared_ptr<const std::function<void(Simulation&, const Transition&)>> transition_;
     std::vector<Transition> transitions_;  ///< transitions not delivered yet
     std::vector<Transition> happened_;     ///< transitions in delivery
+    std::vector<Transition> pulled_;       ///< transitions that the host has not asked for yet
+    bool pulls_ = false;                   ///< the host asks for transitions
 };
 
 /// @throws Error (argument) for a number of threads below min or above 1024

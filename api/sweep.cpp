@@ -2,14 +2,40 @@
 #include <cvtflow/tune.hpp>
 
 #include "api/simulation_impl.hpp"
+#include "api/sweep_run.hpp"
 #include "engine/record/run/schema.hpp"
-#include "tasks/batch/batch.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 #include "tasks/scene/units.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 #include "tasks/tuning/verified_sweep.hpp"
 
 namespace cvtflow {
+
+bool api::run_sweep(const tasks::Sweep& sweep, const std::string& folder, int threads, engine::Cancellation& cancel,
+                    std::function<void(const tasks::BatchProgress&)> progress) {
+    return entered(ErrorCode::record, [&] {
+        require_threads(threads, 0);
+        tasks::BatchOptions options;
+        options.folder = folder;
+        options.threads = threads > 0 ? threads : tasks::usable_threads();
+        options.grace = 0.0;
+        options.cancel = &cancel;
+        options.progress = std::move(progress);
+        try {
+            const tasks::TunedSweep tuned = tasks::tuned_sweep(sweep, folder, cancel, {});
+            const tasks::BatchReport report = tasks::run_batch(tuned.sweep, options);
+            if (!report.hopeless.empty()) throw tasks::SimulationError(report.hopeless);
+            if (report.finished && sweep.accuracy.target > 0.0)
+                static_cast<void>(tasks::verify_sweep(sweep, tuned, report.folder, cancel, {}));
+            cancel.withdraw();
+            return report.finished;
+        } catch (const tasks::SimulationError& error) {
+            if (cancel.withdraw()) return false;  // while it was tuned or verified
+            throw Error(ErrorCode::state, error.what());
+        }
+    });
+}
+
 inline namespace v0 {
 
 struct Sweep::Impl {
@@ -33,30 +59,8 @@ long Sweep::cases() const noexcept { return impl_->sweep.cases(); }
 void Sweep::cancel() noexcept { impl_->cancel.request(); }
 
 bool Sweep::run(const std::string& folder, int threads, std::function<void(const SweepProgress&)> progress) {
-    return api::entered(ErrorCode::record, [&] {
-        api::require_threads(threads, 0);
-        tasks::BatchOptions options;
-        options.folder = folder;
-        options.threads = threads > 0 ? threads : tasks::usable_threads();
-        options.grace = 0.0;
-        options.cancel = &impl_->cancel;
-        if (progress) {
-            options.progress = [call = std::move(progress)](const tasks::BatchProgress& now) {
-                call({now.cases, now.before, now.done, now.failed, now.wall});
-            };
-        }
-        try {
-            const tasks::TunedSweep tuned = tasks::tuned_sweep(impl_->sweep, folder, impl_->cancel, {});
-            const tasks::BatchReport report = tasks::run_batch(tuned.sweep, options);
-            if (!report.hopeless.empty()) throw tasks::SimulationError(report.hopeless);
-            if (report.finished && impl_->sweep.accuracy.target > 0.0)
-                static_cast<void>(tasks::verify_sweep(impl_->sweep, tuned, report.folder, impl_->cancel, {}));
-            impl_->cancel.withdraw();
-            return report.finished;
-        } catch (const tasks::SimulationError& error) {
-            if (impl_->cancel.withdraw()) return false;  // while it was tuned or verified
-            throw Error(ErrorCode::state, error.what());
-        }
+    return api::run_sweep(impl_->sweep, folder, threads, impl_->cancel, [&](const tasks::BatchProgress& now) {
+        if (progress) progress({now.cases, now.before, now.done, now.failed, now.wall});
     });
 }
 

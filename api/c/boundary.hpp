@@ -3,8 +3,10 @@
 
 #include <cvtflow/cvtflow.h>
 
-#include <cvtflow/record.hpp>
 #include <cvtflow/simulation.hpp>
+#include <memory>
+#include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -21,18 +23,24 @@ struct cvtflow_simulation {
     void* log_user = nullptr;
     std::vector<std::string> logged{};  ///< notices that the log has seen
     cvtflow::engine::LifeCount life{};  ///< count of the owner and of calls that may call back
-};
+    std::shared_ptr<void> recording{};  ///< a Recording, of which the core library knows nothing; ends before the simulation
 
-struct cvtflow_record {
-    cvtflow::Record record;
-    std::string status;
-    std::vector<cvtflow::Column> channels;
+    [[nodiscard]] cvtflow::Simulation::Impl& impl() const noexcept { return *simulation.impl_; }
 };
 
 namespace cvtflow::api {
 
 /// Writes code and text into a caller's message, as far as its size allows; nullptr: nothing. @return code
 cvtflow_code say(cvtflow_message* message, ErrorCode code, const char* text) noexcept;
+
+/// Largest number of a code.
+inline constexpr int last_code = 99;
+
+/// What the library knows, as JSON. @param what a subject (cvtflow_describe); empty: all of them   @throws Error (argument)
+[[nodiscard]] std::string description(std::string_view what);
+
+/// Copies a text and its 0 to where a caller has *size bytes; *size becomes what is needed. @throws Error (argument) if it does not fit
+void give_text(const std::string& whole, char* text, std::size_t* size);
 
 /// Translates the exception in flight. @return its code
 cvtflow_code say_exception(cvtflow_message* message) noexcept;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "api/c/boundary.hpp"
+#include "api/simulation_impl.hpp"
 
 using namespace cvtflow;
 
@@ -259,6 +260,30 @@ cvtflow_code cvtflow_on_transition(cvtflow_simulation* simulation, cvtflow_trans
         s.on_transition([=](Simulation&, const Transition& t) {
             const cvtflow_transition now{sizeof now, t.pin, t.tip, t.from, t.to, 0, t.time};
             call_back(*simulation, "a transition", [&] { return function(simulation, &now, user); });
+        });
+    });
+}
+
+cvtflow_code cvtflow_transitions(cvtflow_simulation* simulation, cvtflow_transition* transitions, size_t* count, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        auto& impl = api::given(simulation, "simulation").impl();
+        impl.visited([&] {
+            const std::vector<Transition>& pulled = impl.callbacks().pull(count != nullptr);
+            if (count == nullptr) return;
+            const size_t room = std::exchange(*count, pulled.size());
+            if (transitions == nullptr) return;
+            if (room < pulled.size())
+                throw Error(ErrorCode::argument,
+                            "count: room for " + std::to_string(room) + " of " + std::to_string(pulled.size()) + " transitions");
+            auto* place = reinterpret_cast<std::byte*>(transitions);
+            const uint32_t size = transitions->size;  // of the caller's struct, which may be longer
+            for (const Transition& t : pulled) {
+                auto* row = reinterpret_cast<cvtflow_transition*>(place);
+                row->size = size;
+                api::fill_versioned(row, "a transition", {sizeof *row, t.pin, t.tip, t.from, t.to, 0, t.time});
+                place += size;
+            }
+            impl.callbacks().forget_pulled();
         });
     });
 }

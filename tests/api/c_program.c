@@ -60,6 +60,33 @@ static void check_errors(const cvtflow_scene* scene) {
     cvtflow_scene_release(NULL);
 }
 
+/* A caller with more room gets all of a long message. */
+static void check_long_messages(void) {
+    static struct { uint32_t size; int32_t code; char text[65528]; } message = {sizeof message, 0, ""};
+    static char text[10000];
+    cvtflow_scene* none = NULL;
+    strcpy(text, "[load]\n");
+    for (int k = 0; k < 60; ++k) sprintf(text + strlen(text), "key_%d = %d\n", k, k);
+    CHECK(cvtflow_scene_parse(text, NULL, &none, (cvtflow_message*)&message) == CVTFLOW_SCENE);
+    CHECK(strstr(message.text, "key_0") != NULL && strstr(message.text, "key_59") != NULL && strlen(message.text) > 1016);
+}
+
+static void check_knowledge(void) {
+    cvtflow_message message = CVTFLOW_INIT(cvtflow_message);
+    double value = 0.0;
+    size_t size = 0;
+    char* text;
+    CHECK(cvtflow_describe("keys", NULL, &size, &message) == CVTFLOW_OK && size > 10000);
+    text = malloc(size);
+    CHECK(cvtflow_describe("keys", text, &size, NULL) == CVTFLOW_OK && strlen(text) + 1 == size && strstr(text, "\"load.torque\"") != NULL);
+    --size;
+    CHECK(cvtflow_describe("keys", text, &size, &message) == CVTFLOW_ARGUMENT);
+    free(text);
+    CHECK(cvtflow_describe("kees", NULL, &size, &message) == CVTFLOW_ARGUMENT && strstr(message.text, "did you mean \"keys\"") != NULL);
+    CHECK(cvtflow_quantity("0.1 ms", "s", &value, NULL) == CVTFLOW_OK && value == 1e-4);
+    CHECK(cvtflow_quantity("0.1 mm", "s", &value, &message) == CVTFLOW_ARGUMENT && strstr(message.text, "is a length") != NULL);
+}
+
 static void check_states(cvtflow_simulation* simulation) {
     size_t size = 0;
     void* bytes = NULL;
@@ -153,6 +180,79 @@ static void check_callbacks(cvtflow_simulation* simulation) {
     CHECK(cvtflow_step(simulation, &message) == CVTFLOW_OK);
 }
 
+/* Transitions that are pulled are those of the counter; a channel's address stays. */
+static void check_pulling(const cvtflow_scene* scene) {
+    cvtflow_simulation* simulation = NULL;
+    cvtflow_counters counters = CVTFLOW_INIT(cvtflow_counters);
+    struct { cvtflow_transition now; double more; } *rows;
+    const double *before = NULL, *after = NULL;
+    size_t count = 7, room = 1, channel = 0;
+    CHECK(cvtflow_create(scene, NULL, &simulation, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_transitions(simulation, NULL, &count, NULL) == CVTFLOW_OK && count == 0);
+    CHECK(cvtflow_channel_find(simulation, "links/tension", &channel, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_channel_values(simulation, channel, &before, NULL, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_advance_to(simulation, -2.5e-4, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_channel_values(simulation, channel, &after, NULL, NULL) == CVTFLOW_OK && after == before);
+    CHECK(cvtflow_counters_get(simulation, &counters) == CVTFLOW_OK && counters.transitions > 2);
+    CHECK(cvtflow_transitions(simulation, NULL, &count, NULL) == CVTFLOW_OK && count == (size_t)counters.transitions);
+    rows = calloc(count, sizeof *rows); /* longer structs than the library's */
+    rows[0].now.size = sizeof *rows;
+    CHECK(cvtflow_transitions(simulation, &rows[0].now, &room, NULL) == CVTFLOW_ARGUMENT && room == count);
+    CHECK(cvtflow_transitions(simulation, &rows[0].now, &count, NULL) == CVTFLOW_OK);
+    for (size_t k = 0; k < count; ++k) CHECK(rows[k].now.from != rows[k].now.to && (k == 0 || rows[k].now.time >= rows[k - 1].now.time));
+    CHECK(cvtflow_transitions(simulation, NULL, &count, NULL) == CVTFLOW_OK && count == 0);
+    CHECK(cvtflow_transitions(simulation, NULL, NULL, NULL) == CVTFLOW_OK);
+    free(rows);
+    cvtflow_destroy(simulation);
+}
+
+static void check_a_record(const char* path) {
+    cvtflow_record* record = NULL;
+    cvtflow_channel_info info = CVTFLOW_INIT(cvtflow_channel_info);
+    double values[4];
+    if (cvtflow_record_open(path, &record, NULL) != CVTFLOW_OK) {
+        CHECK(!"the record can be opened");
+        return;
+    }
+    CHECK(cvtflow_record_rows(record) >= 2 && strcmp(cvtflow_record_status(record), "finished") == 0);
+    CHECK(cvtflow_record_describe(record, 0, &info, NULL) == CVTFLOW_OK && strcmp(info.unit, "rad/s") == 0 && info.width == 1);
+    CHECK(cvtflow_record_describe(record, cvtflow_record_channel_count(record), &info, NULL) == CVTFLOW_ARGUMENT);
+    CHECK(cvtflow_record_read(record, "time", 0, 2, values, 2, NULL) == CVTFLOW_OK && values[0] == 0.0 && values[1] == 1e-5);
+    CHECK(cvtflow_record_read(record, "time", 0, 2, values, 3, NULL) == CVTFLOW_ARGUMENT);
+    cvtflow_record_close(record);
+}
+
+static int end_after_two(const cvtflow_progress* progress, void* user) {
+    CHECK(progress->size == sizeof *progress && progress->cases == 3);
+    *(int64_t*)user = progress->done;
+    return progress->done >= 2;
+}
+
+/* A record and a sweep, in the working folder. */
+static void check_files(const cvtflow_scene* scene) {
+    cvtflow_simulation* simulation = NULL;
+    cvtflow_message message = CVTFLOW_INIT(cvtflow_message);
+    int64_t done = -1;
+    FILE* file = fopen("c_program_sweep.toml", "w");
+    CHECK(cvtflow_create(scene, NULL, &simulation, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_record_begin(simulation, "c_program.h5", 1, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_record_begin(simulation, "c_program_2.h5", 1, &message) == CVTFLOW_STATE);
+    CHECK(cvtflow_advance_to(simulation, 1e-5, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_record_finish(simulation, 1, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_record_finish(simulation, 1, &message) == CVTFLOW_STATE);
+    CHECK(cvtflow_record_begin(simulation, "c_program.h5", 0, &message) == CVTFLOW_RECORD); /* it is there */
+    cvtflow_destroy(simulation);
+    check_a_record("c_program.h5");
+    CHECK(file != NULL);
+    fputs("[sweep]\nscene = \"tiny\"\n[set]\n\"run.until\" = 2e-5\n\"start.settling_time\" = 2e-5\n\"start.ramp_time\" = 1e-5\n"
+          "[[axes]]\nkey = \"load.torque\"\nvalues = [6, 7, 8]\n[outputs]\nscalars = [\"slip mean\"]\n", file);
+    fclose(file);
+    CHECK(cvtflow_sweep_run("/nowhere.toml", NULL, 1, NULL, NULL, &message) == CVTFLOW_SCENE);
+    CHECK(cvtflow_sweep_run("c_program_sweep.toml", NULL, 1, end_after_two, &done, &message) == CVTFLOW_OK && done == 0);
+    CHECK(cvtflow_sweep_run("c_program_sweep.toml", "c_program_sweep", 1, end_after_two, &done, &message) == CVTFLOW_CANCELLED && done == 2);
+    CHECK(cvtflow_sweep_run("c_program_sweep.toml", "c_program_sweep", 1, NULL, NULL, &message) == CVTFLOW_OK);
+}
+
 static void check_texts(const cvtflow_scene* scene) {
     size_t size = 0, small = 3;
     char value[16], *text;
@@ -197,22 +297,6 @@ static void check_records(void) {
     CHECK(strstr(message.text, "/nowhere.h5") != NULL);
     CHECK(cvtflow_record_rows(NULL) == 0 && cvtflow_record_channel_count(NULL) == 0 && cvtflow_record_status(NULL)[0] == 0);
     cvtflow_record_close(NULL);
-}
-
-static void check_a_record(const char* path) {
-    cvtflow_record* record = NULL;
-    cvtflow_channel_info info = CVTFLOW_INIT(cvtflow_channel_info);
-    double values[4];
-    if (cvtflow_record_open(path, &record, NULL) != CVTFLOW_OK) {
-        CHECK(!"the record can be opened");
-        return;
-    }
-    CHECK(cvtflow_record_rows(record) >= 2 && strcmp(cvtflow_record_status(record), "finished") == 0);
-    CHECK(cvtflow_record_describe(record, 0, &info, NULL) == CVTFLOW_OK && strcmp(info.unit, "rad/s") == 0 && info.width == 1);
-    CHECK(cvtflow_record_describe(record, cvtflow_record_channel_count(record), &info, NULL) == CVTFLOW_ARGUMENT);
-    CHECK(cvtflow_record_read(record, "time", 0, 2, values, 2, NULL) == CVTFLOW_OK && values[0] == 0.0 && values[1] == 1e-5);
-    CHECK(cvtflow_record_read(record, "time", 0, 2, values, 3, NULL) == CVTFLOW_ARGUMENT);
-    cvtflow_record_close(record);
 }
 
 /* The level of detail whose method keeps its state itself: stepped, copied, saved and restored. */
@@ -286,10 +370,13 @@ int main(int argc, char** argv) {
     if (scene == NULL) return 2;
     check_errors(scene);
     check_texts(scene);
+    check_long_messages();
+    check_knowledge();
+    check_pulling(scene);
+    check_files(scene);
     check_inputs();
     check_records();
     check_rigid_pins(scene);
-    if (argc > 2) check_a_record(argv[2]);
     check_destruction(scene);
     options.way = CVTFLOW_PRIVATE_ARENA;
     options.threads = 2;

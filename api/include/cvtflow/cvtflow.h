@@ -8,6 +8,9 @@
  * Errors. Functions that can fail return a code, CVTFLOW_OK = 0, and fill the message, the last argument, which may be NULL. Nothing else
  * is changed by a call that fails, except that cvtflow_advance_to and cvtflow_step leave the simulation at the last accepted step.
  *
+ * Texts and bytes. Functions that give a text, or bytes, take (buffer, &size): size is the room in the buffer on entry, and what is needed
+ * on return, the 0 behind a text included. A buffer NULL asks for the size; CVTFLOW_ARGUMENT if the room is too small.
+ *
  * Threads. A scene may be used from all threads. A simulation is used by one thread at a time; a call while another one is under way
  * returns CVTFLOW_BUSY. cvtflow_cancel may be called from every thread and from signal handlers. No thread is started before the first
  * step. Callbacks run on the thread that called cvtflow_advance_to, between steps. A callback that steps the calling simulation or sets its
@@ -24,7 +27,15 @@
 extern "C" {
 #endif
 
+#if !defined(_WIN32)
 #define CVTFLOW_API __attribute__((visibility("default")))
+#elif defined(CVTFLOW_BUILDING) /* cvtflow.dll itself */
+#define CVTFLOW_API __declspec(dllexport)
+#elif defined(CVTFLOW_STATIC) /* linked into the host */
+#define CVTFLOW_API
+#else
+#define CVTFLOW_API __declspec(dllimport)
+#endif
 
 typedef enum cvtflow_code {
     CVTFLOW_OK = 0,
@@ -52,9 +63,10 @@ typedef struct cvtflow_scene cvtflow_scene;
 typedef struct cvtflow_simulation cvtflow_simulation;
 typedef struct cvtflow_record cvtflow_record;
 
-/* What went wrong, in words: a string that ends in 0, cut off if it does not fit. */
+/* What went wrong, in words: a string that ends in 0, cut off if it does not fit. A scene with many wrong keys has a line for each: a caller
+ * that shows all of them passes a larger struct that begins as this one, with its size. */
 typedef struct cvtflow_message {
-    uint32_t size; /* of this struct; 0: of the one in this version */
+    uint32_t size; /* of the caller's struct, which may be longer or shorter than this one; 0: of this one */
     int32_t code;
     char text[1016];
 } cvtflow_message;
@@ -136,6 +148,13 @@ typedef int (*cvtflow_transition_function)(cvtflow_simulation* simulation, const
 
 CVTFLOW_API const char* cvtflow_version(void);              /* "0.4.0" */
 CVTFLOW_API const char* cvtflow_code_name(int32_t code);    /* "cancelled"; "unknown" for a number that is no code */
+/* What the library knows, as JSON in UTF-8: what is "codes", "exit_statuses" (of the program), "keys" (of scenes, with unit, range, default,
+ * source), "channels", "inputs", "notes" (on unusual results), "units", "scenes" (ready ones), "levels" (of detail), "methods"; NULL: an object
+ * of all of them. Numbers are in SI units. */
+CVTFLOW_API cvtflow_code cvtflow_describe(const char* what, char* text, size_t* size, cvtflow_message* message);
+/* A quantity with its unit, in SI: ("0.1 ms", "s") is 1e-4. unit is the SI unit that is expected, "1" for a plain number; CVTFLOW_ARGUMENT for
+ * another dimension. */
+CVTFLOW_API cvtflow_code cvtflow_quantity(const char* text, const char* unit, double* value, cvtflow_message* message);
 CVTFLOW_API cvtflow_code cvtflow_shutdown(void);            /* ends worker threads; CVTFLOW_BUSY if others keep them alive */
 
 /* Scenes: immutable, counted. */
@@ -148,8 +167,7 @@ CVTFLOW_API cvtflow_code cvtflow_scene_with(const cvtflow_scene* scene, const ch
 CVTFLOW_API cvtflow_code cvtflow_scene_with_detail(const cvtflow_scene* scene, const char* preset, cvtflow_scene** changed,
                                                    cvtflow_message* message);
 CVTFLOW_API const char* cvtflow_scene_name(const cvtflow_scene* scene); /* lives as long as the scene */
-/* The scene as TOML with every key; and the value of one key, as TOML. Texts as cvtflow_state_get has bytes: *size is the room at text on
- * entry and what is needed, the 0 included, on return; text NULL asks for it. */
+/* The scene as TOML with every key; and the value of one key, as TOML. */
 CVTFLOW_API cvtflow_code cvtflow_scene_text(const cvtflow_scene* scene, char* text, size_t* size, cvtflow_message* message);
 CVTFLOW_API cvtflow_code cvtflow_scene_value(const cvtflow_scene* scene, const char* key, char* text, size_t* size,
                                              cvtflow_message* message);
@@ -171,7 +189,7 @@ CVTFLOW_API cvtflow_code cvtflow_step(cvtflow_simulation* simulation, cvtflow_me
 CVTFLOW_API void cvtflow_cancel(cvtflow_simulation* simulation);
 CVTFLOW_API cvtflow_code cvtflow_largest_stable_step(cvtflow_simulation* simulation, double* step, cvtflow_message* message);
 
-/* Full integration state as bytes. get: *size is the room at bytes on entry and what is needed on return; bytes NULL asks for it. */
+/* Full integration state as bytes. */
 CVTFLOW_API cvtflow_code cvtflow_state_get(const cvtflow_simulation* simulation, void* bytes, size_t* size, cvtflow_message* message);
 CVTFLOW_API cvtflow_code cvtflow_state_set(cvtflow_simulation* simulation, const void* bytes, size_t size, cvtflow_message* message);
 CVTFLOW_API uint64_t cvtflow_hash(const cvtflow_simulation* simulation);
@@ -192,7 +210,9 @@ CVTFLOW_API cvtflow_code cvtflow_channel_describe(const cvtflow_simulation* simu
                                                   cvtflow_message* message);
 CVTFLOW_API cvtflow_code cvtflow_channel_find(const cvtflow_simulation* simulation, const char* name, size_t* channel,
                                               cvtflow_message* message);
-/* *values stays valid until the simulation changes. */
+/* The values of a channel now: *values has *width numbers, in the unit of the channel. The address stays the same as long as the simulation
+ * lives; the numbers there change with the next call for this channel only. The first call after a step observes the whole state, some tens
+ * of microseconds. width may be NULL. */
 CVTFLOW_API cvtflow_code cvtflow_channel_values(cvtflow_simulation* simulation, size_t channel, const double** values, size_t* width,
                                                 cvtflow_message* message);
 
@@ -208,14 +228,48 @@ CVTFLOW_API cvtflow_code cvtflow_on_log(cvtflow_simulation* simulation, cvtflow_
 
 CVTFLOW_API cvtflow_code cvtflow_energy_get(const cvtflow_simulation* simulation, cvtflow_energy* energy);
 
-/* One function of each kind per simulation; NULL removes it. */
+/* One function of each kind per simulation; NULL removes it. on_output: after the first step at or after every multiple of interval [s]. */
 CVTFLOW_API cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, cvtflow_output_function function, void* user,
                                            cvtflow_message* message);
 CVTFLOW_API cvtflow_code cvtflow_on_transition(cvtflow_simulation* simulation, cvtflow_transition_function function, void* user,
                                                cvtflow_message* message);
+/* Transitions without a callback: those since the last call, in their order. They are collected from the first call on, until one with count
+ * NULL. *count is the room at transitions on entry and their number on return; transitions NULL asks for it, and CVTFLOW_ARGUMENT for too
+ * little room leaves them. The caller sets the size of the first. */
+CVTFLOW_API cvtflow_code cvtflow_transitions(cvtflow_simulation* simulation, cvtflow_transition* transitions, size_t* count,
+                                             cvtflow_message* message);
+
+/* Records the simulation from now on in an HDF5 file: channels, states and transitions at the scene's run.output_interval, as `cvtflow run`
+ * does, but no settling. replace other than 0 replaces a file, or rows of a run that was killed. CVTFLOW_RECORD for files, CVTFLOW_STATE if it
+ * is being recorded already. finish completes the file; complete 0 marks it as cancelled. A simulation that is destroyed before leaves what it
+ * has recorded in the .part file. Not in the core library. */
+CVTFLOW_API cvtflow_code cvtflow_record_begin(cvtflow_simulation* simulation, const char* path, int32_t replace, cvtflow_message* message);
+CVTFLOW_API cvtflow_code cvtflow_record_finish(cvtflow_simulation* simulation, int32_t complete, cvtflow_message* message);
 
 /* Inputs: what they are, by number from 0 on; CVTFLOW_ARGUMENT behind the last one. Strings live as long as the library is loaded; width is 1. */
 CVTFLOW_API cvtflow_code cvtflow_input_describe(int32_t input, cvtflow_channel_info* info, cvtflow_message* message);
+
+/* Progress of a sweep; numbers of cases. */
+typedef struct cvtflow_progress {
+    uint32_t size;
+    uint32_t reserved;
+    int64_t cases;  /* all */
+    int64_t before; /* done in earlier sessions */
+    int64_t done;   /* done now */
+    int64_t failed; /* done now with another status than ok */
+    double wall;    /* [s] */
+} cvtflow_progress;
+/* Other than 0 ends the sweep. */
+typedef int (*cvtflow_progress_function)(const cvtflow_progress* progress, void* user);
+
+/* Runs the cases of a sweep file that are not in the table folder/cases.h5 yet, and waits for them, as `cvtflow batch` does: tuned and verified
+ * where the sweep has [accuracy]. folder NULL: checks the file, and calls the function once. threads 0: as many as the process may use. The
+ * function, if not NULL, is called from one thread at a time, of the library: before the first case, after each, and every 50 ms while cases
+ * step. CVTFLOW_CANCELLED if it ends the sweep, whose running cases then write checkpoints; CVTFLOW_SCENE for the file; CVTFLOW_RECORD for folders
+ * and tables; CVTFLOW_STATE for results of another sweep, program version or start state, or where the first dozen cases all fail alike. Not
+ * in the core library. */
+CVTFLOW_API cvtflow_code cvtflow_sweep_run(const char* file, const char* folder, int32_t threads, cvtflow_progress_function function,
+                                           void* user, cvtflow_message* message);
 
 /* Records of runs. One record is used by one thread at a time, and no two at once. Strings of a description live as long as the record. */
 CVTFLOW_API cvtflow_code cvtflow_record_open(const char* path, cvtflow_record** record, cvtflow_message* message);

@@ -28,6 +28,8 @@
 #include <cvtflow/scene.hpp>
 #include <cvtflow/threads.hpp>
 
+struct cvtflow_simulation;
+
 namespace cvtflow {
 inline namespace v0 {
 
@@ -186,6 +188,7 @@ public:
 private:
     class Impl;
     friend class Recording;
+    friend struct ::cvtflow_simulation;
     explicit Simulation(std::unique_ptr<Impl> impl) noexcept;
 
     std::unique_ptr<Impl> impl_;
