@@ -12,6 +12,8 @@ constexpr const char* sweep = "Commands for sweeps";
 constexpr const char* record = "Commands for records and other programs";
 constexpr const char* reference = "Commands for reference";
 
+constexpr Action (*in_python)(CLI::App&) = nullptr;  // api/python/cvtflow/commands
+
 constexpr std::array commands{
     Command{"run", run, "Simulate a scene and record it", declare_run},
     Command{"resume", run, "Resume a run from its checkpoint, or an unfinished sweep, bit for bit", declare_resume},
@@ -25,8 +27,8 @@ constexpr std::array commands{
     Command{"reduce", sweep, "Reduce a machine to its steady map and shift law: tables and an FMU with measured errors", declare_reduce},
     Command{"clamp", sweep, "Find the clamping forces of best efficiency at a margin of slip, as a table for a controller", declare_clamp},
     Command{"info", record, "Show the contents of a record, a state file or a sweep's table", declare_info},
-    Command{"plot", record, "Draw records or a sweep: curves, orders, losses, maps; SVG, PNG or CSV", declare_plot},
-    Command{"report", record, "Write a self-contained HTML page of records or a sweep: curves, the running chain, tables", declare_report},
+    Command{"plot", record, "Draw records or a sweep: curves, orders, losses, maps; SVG, PNG or CSV", in_python},
+    Command{"report", record, "Write a self-contained HTML page of records or a sweep: curves, the running chain, tables", in_python},
     Command{"export", record, "Write a record for other programs: channels as CSV, pins and plates for ParaView", declare_export},
     Command{"export-fmu", record, "Write a scene as an FMU for other simulators (FMI 2.0 or 3.0)", declare_export_fmu},
     Command{"list", reference, "List methods, levels of detail, channels, notes, scenes, sweeps, executors, keys or units", declare_list},

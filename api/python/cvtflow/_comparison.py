@@ -54,7 +54,7 @@ def _keys_that_differ(records, facts):
         return [text("This program cannot read the scenes of all records.")]
     if not keys:
         return [text(f"Every key of {'both' if len(records) == 2 else 'the'} scenes has the same value.")]
-    rows = [[key, *(_known.value_text(record, key) for record in records), facts.keys.get(key, ("", ""))[1]] for key in keys]
+    rows = [[key, *(_known.value_text(record.scene, key) for record in records), facts.keys.get(key, ("", ""))[1]] for key in keys]
     return [table(["key", *letters(len(records)), "meaning"], rows, "keys", "Keys of the scenes that differ", "key",
                   styles={0: "code", len(records) + 1: "meaning"})]
 

@@ -29,12 +29,29 @@ def step_text(attributes):
     return shown if used in ("", shown) else f"{shown} ({used}{' taken' if setting > 0.0 else ''})"
 
 
+def detail_text(scene):
+    """Level and dials of a model, in words: fine (lumped plates, 2 joint points, elastic pulleys); piecewise friction."""
+    points = scene["detail.joint_points"]
+    pins = f"{scene['detail.pins']} pins" if scene["detail.pins"] != "halves" else f"{points} joint point{'s' if points > 1 else ''}"
+    pulleys = "no" if scene["detail.pulleys"] == "absent" else scene["detail.pulleys"]
+    plates = "every plate" if scene["detail.plates"] == "each" else "lumped plates"
+    slowed = "" if scene["detail.mass_scaling"] == 1 else f", mass scaling {scene['detail.mass_scaling']:g}"
+    dials = f"{plates}, {pins}, {pulleys} pulleys{slowed}"
+    friction = f"{scene['detail.friction']} friction{' with stick and slip' if scene['detail.stick_slip'] else ''}"
+    level = level_text(scene)
+    return f"{dials}; {friction}" if level == "own detail" else f"{level} ({dials}); {friction}"
+
+
+def level_text(scene):
+    """The level of detail of a scene: "fine"."""
+    return "own detail" if scene["detail.level"] in ("", "given") else scene["detail.level"]
+
+
 def conditions(record):
     """baseline, fine, rk4, step 50 ns."""
     if not record.attributes:
         return ""
-    level = record.scene["detail.level"] if record.scene is not None else None
-    levels = [] if level is None else ["own detail" if level in ("", "given") else level]
+    levels = [] if record.scene is None else [level_text(record.scene)]
     return ", ".join([name_of(record), *levels, str(record.attributes.get("method", "unknown")), f"step {step_text(record.attributes)}"])
 
 
@@ -47,7 +64,7 @@ def differing(records):
     scenes = [record.scene for record in records]
     if any(scene is None for scene in scenes):
         return None
-    keys = [key for key in _known.keys(scenes[0]) if not key.startswith("scene.")]
+    keys = [key for key in _known.rows_of("keys") if not key.startswith("scene.")]
     found = [key for key in keys if any(not _same(scene[key], scenes[0][key]) for scene in scenes)]
     levels = {scene["detail.level"] for scene in scenes}
     if len(levels) > 1 and all(levels):
@@ -64,7 +81,7 @@ def labels(records):
     if len(records) == 1:
         return [""]
     keys = differing(records)
-    setting = [f" ({keys[0]} {_known.value_text(record, keys[0])})" if keys and len(keys) == 1 else "" for record in records]
+    setting = [f" ({keys[0]} {_known.value_text(record.scene, keys[0])})" if keys and len(keys) == 1 else "" for record in records]
     return [f"{record.path}{text}" for record, text in zip(records, setting)]
 
 
@@ -113,7 +130,7 @@ def how_to_record(name):
     on_demand = _known.is_on_demand(name)
     if on_demand is None:
         return ""
-    group = "" if name in _known.received["channels"] else "/*"
+    group = "" if name in _known.rows_of("channels") else "/*"
     return f"record it with --set record.channels={name}{group}" if on_demand else "the machine has no pulleys"
 
 

@@ -91,9 +91,12 @@ def dashes(number):
     return _DASHES[number // len(_own()["axes.prop_cycle"]) % len(_DASHES)]
 
 
+in_notebooks = True  # whether figures are pyplot's; the program draws without it, in a third of the time
+
+
 def figure(width, height):
     """A figure: pyplot's, which notebooks and windows show, but not where the program draws."""
-    if not _known.received:
+    if in_notebooks:
         from matplotlib import pyplot
 
         return pyplot.figure(figsize=(width, height), layout="constrained")

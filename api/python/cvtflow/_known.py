@@ -1,7 +1,9 @@
-"""What the library knows about names and units. A drawing process of the program (_draw.py), which has no compiled module, receives it."""
+"""What the library knows about names and units."""
 
+import ctypes
 import difflib
 import functools
+import json
 import math
 import os
 import re
@@ -19,9 +21,6 @@ class UnknownName(Misuse, KeyError):
     __str__ = Misuse.__str__
 
 
-received = {}  # by such a process: "display", "dimensions", "channels", "quotients", "dials"
-
-
 @functools.lru_cache(maxsize=None)
 def _compiled():
     from . import _cvtflow
@@ -29,26 +28,58 @@ def _compiled():
     return _cvtflow
 
 
+@functools.lru_cache(maxsize=None)
+def described(what):
+    """What the library knows of a subject (cvtflow_describe): lists and dicts."""
+    describe, size = ctypes.CDLL(_compiled().__file__).cvtflow_describe, ctypes.c_size_t()
+    describe(what.encode(), None, ctypes.byref(size), None)
+    text = ctypes.create_string_buffer(size.value)
+    if describe(what.encode(), text, ctypes.byref(size), None):
+        raise ValueError(f"no description of {what}")
+    return json.loads(text.value)
+
+
+@functools.lru_cache(maxsize=None)
+def rows_of(what):
+    """Rows of a subject by their names: "keys", "channels", "notes"."""
+    return {row["name"]: row for row in described(what)}
+
+
+@functools.lru_cache(maxsize=None)
 def display_unit(name, unit):
     """Unit in which pictures show a quantity, and the factor to it from SI: ("rpm", 9.549…)."""
-    if not received:
-        return _compiled().display_unit(name, unit)
     plain = name.replace("/", "_").replace(".", "_")
-    for si, part, shown, factor in received["display"]:
-        if si == (unit or "1") and part in plain:
-            return shown, factor
+    for row in described("units")["shown"]:
+        if row["unit"] == (unit or "1") and row["part"] in plain:
+            return row["shown"], row["factor"]
     return unit, 1.0
+
+
+def quantity_name(unit):
+    """"a force" of "kN"; empty where it is not known."""
+    return described("units")["quantities"].get(unit or "1", "")
 
 
 def dimension(unit):
     """"force" of "kN"; empty where it is not known."""
-    return (received or {"dimensions": {}})["dimensions"].get(unit, "").partition(" ")[2]
+    return quantity_name(unit).partition(" ")[2]
+
+
+def is_unit(text):
+    """Whether a text is a unit of a quantity that scenes or channels have."""
+    for unit in described("units")["quantities"]:
+        try:
+            quantity(f"1 {text}", unit)
+            return True
+        except ValueError:
+            pass
+    return False
 
 
 def sums(name):
     """Channels so far by sum, from which the mean of a quotient follows: of an efficiency losses, a pump, what presses, drive and load; of
     the speed ratio the angles of both shafts. Empty for another channel."""
-    return received["quotients"].get(name, []) if received else _compiled()._sums_of_quotient(name)
+    return rows_of("channels").get(name, {"sums": None})["sums"] or []
 
 
 def quotient_of(changes):
@@ -74,11 +105,10 @@ def mean_of_quotient(record, name, begin, otherwise, end=None):
 
 
 def is_on_demand(name):
-    """Whether a channel or group exists that this program records only where record.channels names it; None: there is none of that name.
-    Without the program's list: None."""
-    channels = received.get("channels", {})
+    """Whether a channel or group exists that is recorded only where record.channels names it; None: there is none of that name."""
+    channels = rows_of("channels")
     if name in channels:
-        return channels[name]
+        return channels[name]["on_demand"]
     return True if any(each.startswith(name + "/") for each in channels) else None
 
 
@@ -94,40 +124,66 @@ def quantity(text, unit):
 
 
 def record_file(path):
-    """An opened record: as RecordFile of the compiled module, or by h5py."""
-    if not received:
-        return _compiled().RecordFile(os.fspath(path))
-    from ._reading import RecordFile
+    """An opened record."""
+    return _compiled().RecordFile(os.fspath(path))
 
-    return RecordFile(path)
+
+def read_scene(text):
+    """The Scene of a text with its keys, without its start state: that file may no longer exist. Raises SceneError."""
+    return _compiled().Scene.parse(re.sub(r"(?m)^state = .*$", "", text))
 
 
 def scene_of(record):
     """The scene of a Record; None where it cannot be read."""
-    if received:
-        return received["scenes"][record.path]
-    text = re.sub(r"(?m)^state = .*$", "", record.attributes.get("parameters", ""))  # that file may no longer exist
     try:
-        return _compiled().Scene.parse(text)
+        return read_scene(record.attributes.get("parameters", ""))
     except _compiled().SceneError:
         return None
 
 
-def keys(scene):
-    """Names of all keys of a scene."""
-    return list(scene) if received else [key.name for key in _compiled().scene_keys()]
+def scene_of_sweep(results):
+    """What the cases of Results share, by the sweep's definition; None of a CSV, or where this version cannot read it."""
+    lines = [line for line in str(results.attributes.get("definition", "")).splitlines() if line.partition(" = ")[0] in rows_of("keys")]
+    try:
+        return read_scene("\n".join(lines)) if lines else None
+    except _compiled().SceneError:
+        return None
 
 
-def value_text(record, key):
-    """A value of a record's scene as it is entered: 8 N*m."""
-    if received:
-        return received["texts"][record.path][key].replace('"', "")
-    unit = next(each.unit for each in _compiled().scene_keys() if each.name == key)
-    value = record.scene[key]
-    return f"{value:.6g} {unit}" if isinstance(value, float) and unit not in ("", "1") else str(value)
+def value_text(scene, key):
+    """A value of a scene as it is entered: 8 N*m, 20 us."""
+    return shown_value(scene.value(key), rows_of("keys")[key]["unit"]).replace('"', "")
+
+
+def shown_value(plain, unit):
+    """A value as TOML with its unit: the SI unit, or the first of those that people use in which the number is shorter and the same."""
+    if unit in ("", "1") or plain.startswith('"'):
+        return plain
+    shortest = f"{plain} {unit}"
+    try:
+        value = float(plain)
+    except ValueError:  # a table
+        return shortest
+    if "e" not in plain and len(plain) <= 4:
+        return shortest
+    in_si = True
+    for usual in described("units")["usual"].get(unit, []):
+        number = _plain_number(value / quantity(f"1 {usual}", unit))
+        text = f"{number} {usual}"
+        if number and quantity(text, unit) == value and len(text) <= len(shortest) - (not in_si):
+            shortest, in_si = text, False
+    return shortest
+
+
+def _plain_number(value):
+    """Six digits without an exponent; empty where one would be shorter."""
+    number = repr(float(f"{value:.6g}")).removesuffix(".0")
+    digits = number.strip("-").rstrip("0")
+    long = abs(value) >= 1e4 and len(number.strip("-")) > len(digits) + 2 + (len(digits) > 1)
+    return "" if "e" in number or long or 0.0 < abs(value) < 0.1 else number
 
 
 @functools.lru_cache(maxsize=None)
 def is_key(column):
     """Whether a column is a key of scenes: load_torque."""
-    return column in received["keys"] if received else column in {key.name.replace(".", "_") for key in _compiled().scene_keys()}
+    return column in {name.replace(".", "_") for name in rows_of("keys")}

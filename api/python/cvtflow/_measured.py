@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from ._known import Misuse, quantity, received
+from ._known import Misuse, is_unit, quantity, quantity_name
 
 
 def _plain(name):
@@ -21,17 +21,8 @@ class Measured:
         self.name = os.path.basename(self.path)
         self._columns = {}
         for heading, numbers in (_read(self.path) if isinstance(data, (str, os.PathLike)) else data).items():
-            name, _, unit = heading.partition("[")
-            self._columns[_plain(name)] = (name.strip(), unit.rstrip("] "), np.asarray(numbers, dtype=float))
-
-    @classmethod
-    def received(cls, described):
-        """As the program has read it, in SI."""
-        made = cls({})
-        made.path, made.name = described["path"], described["name"]
-        for column in described["columns"]:
-            made._columns[_plain(column["name"])] = (column["name"], column["unit"], np.array(column["values"], dtype=float), column["dimension"])
-        return made
+            name, unit = heading_of(heading)
+            self._columns[_plain(name)] = (name, unit, np.asarray(numbers, dtype=float))
 
     def names(self):
         """time, slip."""
@@ -45,26 +36,46 @@ class Measured:
         """Numbers in SI; `unit` is that of the channel. Raises Misuse."""
         if _plain(name) not in self._columns:
             raise Misuse(f"--with {self.path}: no column '{name}', only {self.names()}")
-        own, given, numbers, *dimension = self._columns[_plain(name)]
-        if dimension:
-            expected = received["dimensions"].get(unit or "1", "")
-            if given and dimension[0] != expected:
-                raise Misuse(f"{self.path}: {own} [{given}]: {expected} expected ({unit})")
-            return numbers
-        return numbers * (quantity(f"1 {given}", unit) if given else 1.0)
+        own, given, numbers = self._columns[_plain(name)]
+        try:
+            return numbers * (quantity(f"1 {given}", unit or "1") if given else 1.0)
+        except ValueError as error:
+            if is_unit(given):
+                raise Misuse(f"{self.path}: {own} [{given}]: {quantity_name(unit)} expected ({unit or '1'})") from None
+            raise ValueError(f"{self.path}: {own} [{given}]: {error}") from None
+
+
+def csv_rows(path):
+    """Rows of cells of a CSV with a heading, whose numbers may have decimal commas where cells are separated by semicolons or tabs. Raises
+    ValueError for a row with more or fewer cells than there are headings."""
+    with open(path, newline="", encoding="utf-8-sig", errors="surrogateescape") as file:
+        text = file.read()
+    separator = max(";\t,", key=text.partition("\n")[0].count)
+    rows = [(line, row) for line, row in enumerate(csv.reader(text.splitlines(), delimiter=separator), 1) if any(row)]
+    for line, row in rows:
+        if len(row) != len(rows[0][1]):
+            raise ValueError(f"{path}:{line}: {len(row)} cells, not {len(rows[0][1])}")
+    return [[cell.replace(",", ".") if separator != "," and number_of(cell.replace(",", ".")) is not None else cell for cell in row]
+            for _, row in rows]
+
+
+def number_of(cell):
+    """The number that a cell of a CSV is; None: a text."""
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+def heading_of(cell):
+    """Name and unit of a heading: "slip [%]"."""
+    name, _, unit = cell.partition("[")
+    return name.strip(), unit.rstrip("] ")
 
 
 def _read(path):
-    """Columns of a CSV by heading; decimal commas where cells are separated by semicolons."""
-    with open(path, newline="", encoding="utf-8-sig") as file:
-        text = file.read()
-    separator = max(";\t,", key=text.partition("\n")[0].count)
-    rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]
-
-    def number(cell):
-        try:
-            return float(cell.replace(",", ".") if separator != "," else cell)
-        except ValueError:
-            return np.nan
-
-    return {heading: [number(cell) for cell in column] for heading, *column in zip(*rows)}
+    """Columns of a CSV by heading."""
+    rows = csv_rows(path)
+    if len(rows) < 2:
+        raise ValueError(f"{path}: not a CSV with headings and numbers")
+    return {heading: [np.nan if number_of(cell) is None else number_of(cell) for cell in column] for heading, *column in zip(*rows)}

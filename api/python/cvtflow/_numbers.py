@@ -106,3 +106,17 @@ def pattern_length(pitch, links):
 def integral(times, values):
     """By the trapezoidal rule over the first axis."""
     return 0.5 * np.diff(times) @ (values[1:] + values[:-1])
+
+
+def belt_radii(length, distance, ratio):
+    """Running radii of both pulleys [m] at a ratio, of a chain of that length at that distance of the shafts [m] without strain."""
+    def excess(first):
+        second = ratio * first
+        lean = math.asin(max(-1.0, min(1.0, (second - first) / distance)))
+        return math.pi * (first + second) + 2 * lean * (second - first) + 2 * distance * math.cos(lean) - length
+
+    low, high = 0.0, distance / (1.0 + ratio)
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if excess(middle) > 0 else (middle, high)
+    return low, ratio * low

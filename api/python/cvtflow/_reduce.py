@@ -42,16 +42,7 @@ class Machine:
 
     def radii(self, ratio):
         """Running radii of both pulleys [m] that a chain without strain has at a ratio."""
-        def excess(first):
-            second = ratio * first
-            lean = math.asin(max(-1.0, min(1.0, (second - first) / self._distance)))
-            return math.pi * (first + second) + 2 * lean * (second - first) + 2 * self._distance * math.cos(lean) - self._length
-
-        low, high = 0.1 * self.limits[0], self.limits[1]
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if excess(middle) > 0 else (middle, high)
-        return low, ratio * low
+        return belt_radii(self._length, self._distance, ratio)
 
     def limit(self, ratio, clamping):
         """Torque of shaft 2 at which the chain slips in theory [N m]: 2 mu S_2 r_2/cos(beta)."""

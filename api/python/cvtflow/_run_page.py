@@ -8,7 +8,7 @@ import numpy as np
 from . import _known, _motion, plots
 from ._channels import shown
 from ._comparison import comparison
-from ._courses import time_text
+from ._courses import detail_text, time_text
 from ._numbers import mean
 from ._page import heading, number, packed, pairs, picture, power_text, provenance, section, table, text
 from ._trip import vehicle
@@ -33,7 +33,7 @@ def statuses(records, facts):
                           f"energy balance {closes}: residual {attributes.get('energy_residual_relative', math.nan):.3g} of the losses, "
                           f"{doubt:.2g} of the tolerance"))
         notes += [("note", name, ": " + words) for name, words in _notes(attributes, facts)]
-        if not _sealed(facts.file_of(record)):
+        if not _sealed(record.path):
             notes.append(("note", "", "the record has no seal: its numbers cannot be verified"))
         found.append({"heading": record.path if len(records) > 1 else "",
                       "notes": [{"kind": kind, "name": name, "text": words} for kind, name, words in notes]})
@@ -134,7 +134,7 @@ def _about(record, facts):
     time, scene = record["time"], record.scene
     rows = [("record", record.path), ("scene", plots.name_of(record))]
     if scene is not None:
-        rows += [("", scene["scene.description"]), ("detail", facts.detail(record))]
+        rows += [("", scene["scene.description"]), ("detail", detail_text(scene))]
     rows.append(("conditions", plots.conditions(record)))
     if drive := _drive_text(record):
         rows.append(("power", drive))
@@ -152,7 +152,7 @@ def _simulated(records, facts):
     if any(record.scene is None for record in records):
         return [*blocks, text("This program cannot read the record's scene.")]
     apart = set(plots.differing(records) or ()) if len(records) > 1 else set()
-    return blocks + facts.differences([row for row in facts.not_default(records[0]) if row[0] not in apart],
+    return blocks + facts.differences([row for row in facts.not_default(records[0].scene) if row[0] not in apart],
                                       "records" if len(records) > 1 else "")
 
 
@@ -316,7 +316,7 @@ def title(records):
     """baseline; of several records "baseline, tiny" or "baseline: load.torque 7 N*m, load.torque 8 N*m"."""
     names = list(dict.fromkeys(plots.name_of(record) for record in records))
     keys = plots.differing(records) if len(records) > 1 else []
-    settings = [f"{keys[0]} {_known.value_text(record, keys[0])}" for record in records] if keys and len(keys) == 1 else []
+    settings = [f"{keys[0]} {_known.value_text(record.scene, keys[0])}" for record in records] if keys and len(keys) == 1 else []
     return "cvtflow: " + ", ".join(names) + (": " + ", ".join(settings) if settings else "")
 
 

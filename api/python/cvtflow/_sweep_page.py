@@ -7,6 +7,7 @@ import numpy as np
 
 from . import _known, maps
 from ._channels import shown
+from ._courses import detail_text
 from ._page import heading, pairs, picture, provenance, section, table, text
 
 _BOOKKEEPING = {"case", "energy_residual", "energy_suspicion", "steps", "evaluations", "transitions", "truncated",
@@ -131,21 +132,20 @@ def _measured(sweeps, measured, si):
     return [picture(maps.lines(sweeps, keys[0], name, measured=measured, si=si), f"measured-{k}") for k, name in enumerate(outputs)]
 
 
-def _simulated(results, described, facts):
+def _simulated(results, facts):
     """Detail and keys that all cases share; none where the table does not contain them."""
-    if not described or not described.get("texts"):
+    scene = _known.scene_of_sweep(results)
+    if scene is None:
         return []
-    rows = [row for row in facts.differing({key: value.replace('"', "") for key, value in described["texts"].items()})
-            if row[0].replace(".", "_") not in results]
-    return [pairs([("detail", described["detail"])]), *facts.differences(rows, "cases")]
+    rows = [row for row in facts.not_default(scene) if row[0].replace(".", "_") not in results]
+    return [pairs([("detail", detail_text(scene))]), *facts.differences(rows, "cases")]
 
 
-def parts(sweeps, described, facts, measured=None, si=False):
-    """Template values of a page of sweeps. described: of the program's request; None: there is none"""
-    described = described or [None] * len(sweeps)
+def parts(sweeps, facts, measured=None, si=False):
+    """Template values of a page of sweeps."""
     several, sections = len(sweeps) > 1, []
     titled = [heading(results.path) if several else None for results in sweeps]
-    descriptions = [text(each["attributes"]["description"]) for each in described if each and each["attributes"].get("description")]
+    descriptions = [text(each.attributes["description"]) for each in sweeps if each.attributes.get("description")]
     drawn = [_maps(results, si) for results in sweeps]
     how = "Only cases with status ok are shown." + ("" if any(drawn) else " Maps with contours: cvtflow plot SWEEP --x --y --colour.")
     sections.append(section("map", "Picture", [*descriptions, text(how, "small")], "cases"))
@@ -153,19 +153,19 @@ def parts(sweeps, described, facts, measured=None, si=False):
     def every(make):
         return [block for k in range(len(sweeps)) if (made := make(k)) for block in ([titled[k]] if several else []) + made]
 
-    if blocks := every(lambda k: _simulated(sweeps[k], described[k], facts)):
+    if blocks := every(lambda k: _simulated(sweeps[k], facts)):
         sections.append(section("simulated", "What was simulated", blocks))
     if measured is not None:
         sections.append(section("measured", "Measured data", _measured(sweeps, measured, si)))
     if blocks := every(lambda k: [picture(figure, f"map-{k}-{number_of}") for number_of, figure in enumerate(drawn[k])]):
         sections.append(section("maps", "Maps", blocks))
     sections.append(section("cases", "Cases", every(lambda k: [_cases(sweeps[k], f"cases-table{k or ''}", si)])))
-    sections.append(section("provenance", "Provenance", every(lambda k: _origin(described[k]))))
+    sections.append(section("provenance", "Provenance", every(lambda k: _origin(sweeps[k]))))
     return {"title": "cvtflow: sweep " + ", ".join(dict.fromkeys(results.name for results in sweeps)), "statuses": statuses(sweeps),
             "sections": sections, "data": picture_data(sweeps, si), "scripts": ["report.js", "sweep.js"]}
 
 
-def _origin(described):
-    if not described or not described["attributes"]:
+def _origin(results):
+    if not results.attributes:
         return [text("A CSV file contains no provenance. The report of the sweep's folder shows it.")]
-    return provenance(described["attributes"])
+    return provenance(results.attributes)

@@ -29,9 +29,8 @@ class Results(dict[str, Any]):
             raise TypeError(f"Results() takes a Table, not {type(table).__name__}; Sweep.results(folder) reads a sweep's folder")
         super().__init__((column.name, _column(column.name, table.read(column.name))) for column in table.columns())
         self.info = {column.name: column for column in table.columns()}
-        attributes = table.attributes()
-        self.path, self.name, self.level = getattr(table, "path", "the table"), str(attributes.get("sweep", "")), getattr(table, "level", "")
-        self.limits = getattr(table, "limits", None)
+        self.attributes = attributes = table.attributes()
+        self.path, self.name = getattr(table, "path", "the table"), str(attributes.get("sweep", ""))
 
     def frame(self) -> Any:
         """A pandas.DataFrame with the case as index; units by column are in frame.attrs["units"]. Raises ImportError without pandas."""
@@ -69,10 +68,13 @@ class Results(dict[str, Any]):
             else:
                 matches = np.any([own == each for each in allowed], axis=0)
             kept &= matches
+        return self.only(kept)
+
+    def only(self, kept: Any) -> Results:
+        """The Results of some cases. kept: [cases] whether a case remains"""
         some = dict.__new__(Results)
         some.update({name: np.asarray(column)[kept] for name, column in self.items()})
-        some.info, some.path, some.name, some.level = self.info, self.path, self.name, self.level
-        some.limits = None if self.limits is None else self.limits[kept]
+        some.info, some.path, some.name, some.attributes = self.info, self.path, self.name, self.attributes
         return some
 
     def plot(self, x: str, y: str, by: str | Sequence[str] | None = None, others: Sequence[Results] = (), measured: Any = None,

@@ -4,7 +4,9 @@ import numpy as np
 
 from . import _known
 from ._channels import shown
+from ._courses import level_text
 from ._figures import Field, Line, Panel, colour, draw
+from ._numbers import belt_radii
 from .plots import _MARKS
 
 _LIMIT = "#D00000"
@@ -37,7 +39,8 @@ def _states(results):
 
 
 def _heading(results, good):
-    level = f"{results.level}, " if results.level and not any(name.startswith("detail_") for name in results.axes()) else ""
+    scene = _known.scene_of_sweep(results)
+    level = "" if scene is None or any(name.startswith("detail_") for name in results.axes()) else f"{level_text(scene)}, "
     count = f"{len(good)} cases" if good.all() else f"{good.sum()} of {len(good)} cases, those that ended well"
     return f"sweep {results.name}, {level}{count}"
 
@@ -121,24 +124,63 @@ def _scale(name, values):
     return "log" if ratio and (values[np.isfinite(values)] > 0.0).all() else "linear"
 
 
+def _beginning(value):
+    """Of a table over time what it is at t = 0."""
+    return value if np.ndim(value) == 0 else float(np.interp(0.0, *np.transpose(value)))
+
+
+def _load_limit(value):
+    """The load of safety factor 1 of a case, 2 mu S_2 r_2/cos(beta) on the side of zero on which its load is [N m], as load.torque states it;
+    NaN where clamping forces depend on the run. value: of a key of its scene"""
+    controlled = value("control.enabled")
+    if value("clamping.safety") > 0.0 or value("hydraulics.mode") != "none" or value("load.mode") != "torque" or (
+            controlled and (value("control.quantity") != "ratio" or value("control.driven") in ("safety", "slip"))):
+        return np.nan
+    ratio = np.reshape(value("control.ratio"), (-1, 2))[-1, 1] if controlled and np.ndim(value("control.ratio")) else value(
+        "control.ratio" if controlled else "start.ratio")
+    length = value("chain.pins") * np.resize(value("chain.pitch"), value("chain.pins")).mean()
+    first, second = belt_radii(length, value("pulley.centre_distance"), ratio)
+    if controlled:  # joints roll, so a bent chain is shorter (tasks/sizing)
+        bent = value("joint.radius") * length / value("chain.pins") / 6.4
+        first, second = belt_radii(length, value("pulley.centre_distance"), ratio / (1.0 + bent * (second**-2 - first**-2)))
+    grip = 2.0 * value("tip.friction_coefficient") * value("tip.friction_scale") / np.cos(value("tip.angle"))
+    torque = _beginning(value("load.torque"))
+    turning = abs(_beginning(value("drive.speed"))) / ratio
+    drag = (value("load.linear") + value("load.quadratic") * turning) * turning
+    return np.copysign(grip * second * np.max(np.reshape(value("clamping.driven"), (-1, 2))[:, 1] if np.ndim(value("clamping.driven"))
+                                              else value("clamping.driven")), torque + drag) - drag
+
+
+def _load_limits(results):
+    """[cases]; None where the table does not contain the machine."""
+    scene = _known.scene_of_sweep(results)
+    if scene is None:
+        return None
+
+    def of_case(number):
+        return lambda key: results[column][number] if (column := key.replace(".", "_")) in results else scene[key]
+
+    return np.array([_load_limit(of_case(number)) for number in range(len(results["case"]))])
+
+
 def _limits(results, load, other, across, si):
     """The load of safety factor 1 over the other axis as lines, for loads above zero and below it; none where two cases at one place have two
     limits, or no case reaches it."""
-    if results.limits is None:
+    if (limits := _load_limits(results)) is None:
         return []
     factor = shown(load, results.info[load].unit, si)[1]
     places, loads = _numbers(results, other, si)[1], _numbers(results, load, si)[1]
     made = []
     for sign in (1.0, -1.0):
         found = {}
-        for place, limit in zip(places, factor * results.limits):
+        for place, limit in zip(places, factor * limits):
             if np.isfinite(limit) and np.isfinite(place) and np.copysign(1.0, limit) == sign:
                 if not abs(found.setdefault(place, limit) - limit) <= _SAME_LIMIT * abs(limit):
                     return []
-        limits = np.array(sorted(found.items()))
-        if len(limits) < 2 or limits[:, 1].min() > np.nanmax(loads) or limits[:, 1].max() < np.nanmin(loads):
+        curve = np.array(sorted(found.items()))
+        if len(curve) < 2 or curve[:, 1].min() > np.nanmax(loads) or curve[:, 1].max() < np.nanmin(loads):
             continue
-        x, y = (limits[:, 1], limits[:, 0]) if across else (limits[:, 0], limits[:, 1])
+        x, y = (curve[:, 1], curve[:, 0]) if across else (curve[:, 0], curve[:, 1])
         style = {"color": _LIMIT, "linestyle": "dashed", "linewidth": 2.2, "zorder": 3}
         made.append(Line("" if made else "torque limit", x, y, style, sets_ends=False))
     return made

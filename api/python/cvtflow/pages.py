@@ -9,34 +9,15 @@ _LONGEST = 160  # characters of a value that is shown completely
 
 
 class Facts:
-    """What is known of scenes beside the records: from the program, or from the compiled module. keys: default and meaning by key; notes:
-    their meanings."""
+    """What is known of scenes beside the records. keys: default and meaning by key; notes: their meanings."""
 
-    def __init__(self, request=None):
-        self._files = {}
-        if request is None:
-            from ._scene import all_keys, default_text
+    def __init__(self):
+        self.keys = {name: (row["shown"], row["text"]) for name, row in _known.rows_of("keys").items()}
+        self.notes = {name: row["text"] for name, row in _known.rows_of("notes").items()}
 
-            self.keys, self.notes, self._details = {name: (default_text(key), key.help) for name, key in all_keys().items()}, {}, {}
-            return
-        from ._draw import file_of
-
-        self.keys = {name: tuple(each) for name, each in request["keys"].items()}
-        self.notes = request["notes"]
-        self._details = {each["path"]: each.get("detail", "") for each in request.get("records", [])}
-        self._files = {each["path"]: file_of(each) for each in request.get("records", [])}
-
-    def file_of(self, record):
-        """Path by which the record of a request is opened."""
-        return self._files.get(record.path, record.path)
-
-    def detail(self, record):
-        """Levels and dials of a record's model, in words."""
-        return self._details.get(record.path) or record.scene["detail.level"] or "own detail"
-
-    def not_default(self, record):
-        """Keys of a record's scene whose values are not the defaults: (key, value, default, meaning). A level sets its dials."""
-        return self.differing({key: _known.value_text(record, key) for key in _known.keys(record.scene)})
+    def not_default(self, scene):
+        """Keys of a scene whose values are not the defaults: (key, value, default, meaning). A level sets its dials."""
+        return self.differing({key: _known.value_text(scene, key) for key in sorted(self.keys)})
 
     def differing(self, texts):
         """Likewise of values by key."""
@@ -62,17 +43,6 @@ def brief(value):
     if len(value) <= _LONGEST or end < 0:
         return value
     return f"{value[:end]}], … ({value.count('[') - 1} points){value[value.rfind(']') + 1:]}"
-
-
-def requested(request):
-    """The bytes of the page that the program requests."""
-    from . import _requested, _run_page, _sweep_page
-
-    facts, measured, si = Facts(request), _requested.measured(request), request["options"]["si"]
-    if "sweeps" in request:
-        sweeps = _requested.sweeps(request)
-        return _written(_sweep_page.parts(sweeps, request["sweeps"], facts, measured, si))
-    return _written(_run_page.parts(_requested.records(request), facts, measured, si))
 
 
 def _written(parts):
@@ -101,7 +71,7 @@ def report(of: Any, output: Any = None, with_: Any = None, si: bool = False) -> 
         raise ValueError("report() takes one record or sweep, or several of one kind")
     measured = with_ if with_ is None or isinstance(with_, Measured) else Measured(with_)
     if isinstance(things[0], Results):
-        page = _written(_sweep_page.parts(things, None, Facts(), measured, si))
+        page = _written(_sweep_page.parts(things, Facts(), measured, si))
     else:
         page = _written(_run_page.parts(things, Facts(), measured, si))
     if output is not None:

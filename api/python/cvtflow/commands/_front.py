@@ -33,7 +33,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message):
         message = re.sub(r"^argument (?:-\w, ?/?|-\w/)?", "", message)
-        message = re.sub(r"^the following arguments are required: (?:-\w/)?([^,]*).*", r"\1 is required", message)
+        message = re.sub(r"^the following arguments are required: (?:-\w/)?([^\s,]+).*", r"\1 is required", message)
         raise UsageError(f"{message} ({self.prog} --help)")
 
     def read(self, words):
@@ -51,12 +51,18 @@ class Parser(argparse.ArgumentParser):
     def format_help(self):
         shown = [action for action in self._actions if action.help != argparse.SUPPRESS]
         words = [action for action in shown if not action.option_strings]
-        lines = [f"{self.description}.", f"Usage: {self.prog} [OPTIONS] {' '.join(action.dest.upper() for action in words)}".rstrip(), ""]
+        lines = [f"{self.description}.", f"Usage: {self.prog} [OPTIONS] {' '.join(map(_usage_word, words))}".rstrip(), ""]
         if words:
             lines += ["Positionals:", *map(_help_line, words), ""]
         lines += ["Options:", *(_help_line(action) for action in shown if action.option_strings), ""]
         return "\n".join([*lines, *([textwrap.dedent(self.footer).strip("\n"), ""] if self.footer else []),
                           "Exit status: 0 finished; the other numbers are in cvtflow --help."]) + "\n"
+
+
+def _usage_word(action):
+    """FILE..., [CHANNEL]"""
+    word = action.metavar.split()[0] + ("..." if action.nargs in ("+", "*") else "")
+    return word if action.required else f"[{word}]"
 
 
 def _help_line(action):
@@ -145,6 +151,8 @@ def _status(commands, words):
         parser = Parser(words[0], module.DESCRIPTION, getattr(module, "FOOTER", ""))
         module.declare(parser)
         return module.act(parser.read(words[1:])) or 0
+    except SystemExit as end:  # --help
+        return end.code
     except Exception as error:  # its message is what the user gets
         if os.environ.get("CVTFLOW_TRACE"):
             raise
