@@ -125,12 +125,12 @@ def quantity(text, unit):
 
 def record_file(path):
     """An opened record."""
-    return _compiled().RecordFile(os.fspath(path))
+    return _compiled().RecordFile(os.fsencode(path))
 
 
 def read_scene(text):
     """The Scene of a text with its keys, without its start state: that file may no longer exist. Raises SceneError."""
-    return _compiled().Scene.parse(re.sub(r"(?m)^state = .*$", "", text))
+    return _compiled().Scene.parse(re.sub(r"(?m)^state = .*$", "", text), "scene")
 
 
 def scene_of(record):

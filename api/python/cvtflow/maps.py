@@ -151,8 +151,8 @@ def _load_limit(value):
                                               else value("clamping.driven")), torque + drag) - drag
 
 
-def _load_limits(results):
-    """[cases]; None where the table does not contain the machine."""
+def load_limits(results):
+    """The load of safety factor 1 of each case [cases], N m; None where the table does not contain the machine."""
     scene = _known.scene_of_sweep(results)
     if scene is None:
         return None
@@ -166,7 +166,7 @@ def _load_limits(results):
 def _limits(results, load, other, across, si):
     """The load of safety factor 1 over the other axis as lines, for loads above zero and below it; none where two cases at one place have two
     limits, or no case reaches it."""
-    if (limits := _load_limits(results)) is None:
+    if (limits := load_limits(results)) is None:
         return []
     factor = shown(load, results.info[load].unit, si)[1]
     places, loads = _numbers(results, other, si)[1], _numbers(results, load, si)[1]

@@ -56,9 +56,9 @@ def is_sweep(path):
     if os.path.isdir(path) or path.endswith(".csv") or os.path.basename(path) == "cases.h5":
         return True
     try:
-        _known._compiled().Table(path)
+        _known._compiled().Table(os.fsencode(path))
         return True
-    except RuntimeError:
+    except (RuntimeError, ValueError):  # ValueError: its message has a name that is no text
         return False
 
 
@@ -82,7 +82,7 @@ def results(path, conditions=()):
         found = Results(_Table(path))
         found.name = os.path.splitext(os.path.basename(path))[0]
     else:
-        found = Results(_known._compiled().Table(_table_path(path)))
+        found = Results(_known._compiled().Table(os.fsencode(_table_path(path))))
     found.path = path
     for condition in conditions:
         found = _kept(found, condition)
