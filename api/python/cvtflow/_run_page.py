@@ -33,7 +33,7 @@ def statuses(records, facts):
                           f"energy balance {closes}: residual {attributes.get('energy_residual_relative', math.nan):.3g} of the losses, "
                           f"{doubt:.2g} of the tolerance"))
         notes += [("note", name, ": " + words) for name, words in _notes(attributes, facts)]
-        if not _sealed(record.path):
+        if not _sealed(record.place):
             notes.append(("note", "", "the record has no seal: its numbers cannot be verified"))
         found.append({"heading": record.path if len(records) > 1 else "",
                       "notes": [{"kind": kind, "name": name, "text": words} for kind, name, words in notes]})

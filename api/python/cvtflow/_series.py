@@ -207,7 +207,7 @@ class Record(Series, Mapping[str, Array]):
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = str(path)
+        self.place, self.path = path, os.fsencode(path).decode("utf-8", "replace")  # of what pages and messages show
         self._file = _known.record_file(path)
         self._columns = self._file.channels()
         self._kept = {"time": self._file.read("time")}

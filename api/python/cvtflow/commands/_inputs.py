@@ -83,7 +83,7 @@ def results(path, conditions=()):
         found.name = os.path.splitext(os.path.basename(path))[0]
     else:
         found = Results(_known._compiled().Table(os.fsencode(_table_path(path))))
-    found.path = path
+    found.path = os.fsencode(path).decode("utf-8", "replace")
     for condition in conditions:
         found = _kept(found, condition)
     return found
