@@ -21,7 +21,7 @@ try:
     import matplotlib  # noqa: F401
     import numpy as np
 
-    from program import Program, write
+    from program import Program, ran, write
 except ImportError as error:
     print(f"skipped: {error}")
     sys.exit(77)
@@ -33,7 +33,7 @@ SWEEP = SOURCE + "/scenes/sweeps/slip_efficiency_results.csv"
 
 
 def cvtflow(*words):
-    return subprocess.run([CVTFLOW, *words], capture_output=True, text=True)
+    return ran([CVTFLOW, *words])
 
 
 def record(name, *words, scene="tiny"):
