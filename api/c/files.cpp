@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cvtflow/record.hpp>
+#include <cvtflow/tune.hpp>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -117,6 +119,29 @@ cvtflow_code cvtflow_record_finish(cvtflow_simulation* simulation, int32_t compl
 cvtflow_code cvtflow_sweep_run(const char* file, const char* folder, int32_t threads, cvtflow_progress_function function, void* user,
                                cvtflow_message* message) {
     return api::guarded(message, [&] { run_sweep(file, folder, threads, function, user); });
+}
+
+cvtflow_code cvtflow_tune(const cvtflow_scene* scene, double accuracy, const char* outputs, double budget, const char* folder,
+                          cvtflow_asked_function function, void* user, cvtflow_scene** tuned, cvtflow_tuning* tuning,
+                          cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        TuneOptions options{accuracy, {}, budget, folder != nullptr ? folder : ""};
+        std::istringstream names(outputs != nullptr ? outputs : "");
+        for (std::string name; std::getline(names, name, ',');) options.outputs.push_back(name);
+        auto called = std::chrono::steady_clock::now();
+        options.stop = [&] {
+            const auto now = std::chrono::steady_clock::now();
+            if (function == nullptr || now - called < std::chrono::milliseconds(50)) return false;
+            called = now;
+            return function(user) != 0;
+        };
+        cvtflow_scene*& place = api::given(tuned, "tuned");
+        const Tuning found = tune(api::given(scene, "scene").scene, options);
+        cvtflow_tuning told{sizeof told, found.kept ? 1 : 0, found.error, ""};
+        found.choice.copy(told.choice, sizeof told.choice - 1);
+        api::fill_versioned(tuning, "tuning", told);
+        place = new cvtflow_scene{found.scene};
+    });
 }
 
 cvtflow_code cvtflow_record_open(const char* path, cvtflow_record** record, cvtflow_message* message) {

@@ -1,6 +1,6 @@
 """FMU, C interface and Python in a host with a decimal comma, which Qt and GTK hosts set: the same numbers as in "C".
 
-    tests/api/locale_test.py CVTFLOW LIBRARY SCENES COMPILER      with or without the Python module (PYTHONPATH)
+    tests/api/locale_test.py CVTFLOW LIBRARY SCENES COMPILER      with or without the Python package (PYTHONPATH)
 """
 
 import ctypes
@@ -121,7 +121,7 @@ class DecimalComma(unittest.TestCase):
         plain, comma = in_both(run)
         self.assertEqual(comma, plain)
 
-    @unittest.skipIf(cvtflow is None, "no Python module")
+    @unittest.skipIf(cvtflow is None, "no Python package")
     def test_python_reads_scenes_and_ends_by_ctrl_c_alike(self):
         def run():
             simulation = cvtflow.Simulation(cvtflow.Scene.ready("tiny").with_("run.output_interval=2.5e-05 s"))

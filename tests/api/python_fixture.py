@@ -1,4 +1,4 @@
-"""What the tests of the Python module share: a small scene, the program, and a reason to skip."""
+"""What the tests of the Python package share: a small scene, the program, and a reason to skip."""
 
 import os
 import signal

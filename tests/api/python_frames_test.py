@@ -168,7 +168,7 @@ class Records(Folder):
         np.testing.assert_array_equal(axes.lines[0].get_ydata(), 100.0 * record["slip"])
         np.testing.assert_array_equal(axes.lines[0].get_xdata(), 1e3 * record["time"])
         both = record.plot("tight_tension", "slack_tension", "shaft_1/torque", color="black").axes
-        self.assertEqual([axes.get_ylabel() for axes in both], ["[kN]", "shaft 1/torque [N·m]"])
+        self.assertEqual([axes.get_ylabel() for axes in both], ["force [kN]", "shaft 1/torque [N·m]"])
         self.assertEqual([len(axes.lines) for axes in both], [2, 1])
         self.assertEqual(both[0].lines[1].get_color(), "black")
         si = record.plot("tight_tension", si=True).axes[0]

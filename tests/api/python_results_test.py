@@ -1,7 +1,7 @@
-"""Records, sweeps, display and stubs of the Python module."""
+"""Records, sweeps, display and documentation texts of the Python package."""
 
-import ast
 import contextlib
+import enum
 import importlib
 import inspect
 import io
@@ -22,7 +22,7 @@ from python_frames_test import Folder
 import numpy as np
 
 import cvtflow
-from cvtflow import _known
+from cvtflow import _errors, _known
 
 LOADS = {"load.torque": ["6 N*m", "12 N*m"], ("clamping.driving", "clamping.driven"): [("7 kN", "5 kN"), ("8 kN", "6 kN")]}
 SETTLED = {"start.settling_time": "20 us", "start.ramp_time": "10 us"}
@@ -283,7 +283,7 @@ class SweepFiles(Folder):
         told = self.sweep().submit(self.folder + "/a b", "--time=1:00", workers=3).split("\n")
         self.assertEqual(told[:-1], ["--parsable", "--array=1-3", "--requeue", "--time=1:00", "--wrap"])
         self.assertEqual(told[-1], f"exec {self.folder}/bin/cvtflow batch '{self.folder}/a b.toml' -o '{self.folder}/a b' --worker")
-        self.assertEqual(cvtflow._cvtflow.SweepFile.read(self.folder + "/a b.toml").cases, 1)
+        self.assertEqual(cvtflow.SweepFile.read(self.folder + "/a b.toml").cases, 1)
         with unittest.mock.patch.dict(os.environ, {"PATH": self.folder}):
             self.assertRaisesRegex(FileNotFoundError, "cvtflow: no such program", self.sweep().submit, self.folder + "/other")
 
@@ -295,25 +295,30 @@ class Faces(unittest.TestCase):
             self.assertIn(part, html)
         self.assertIn("[load]", tiny()._repr_html_())
 
-    def test_the_stub_knows_every_name_and_every_name_is_documented(self):
-        module = cvtflow._cvtflow
-        tree = ast.parse(Path(module.__file__).with_name("_cvtflow.pyi").read_text())
-        names = {node.name: node for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
-        public = {name: member for name, member in vars(module).items() if not name.startswith("_")}
-        self.assertEqual(set(names), set(public))
-        for name, member in public.items():
+    def test_every_name_is_documented_and_has_types(self):
+        package = Path(cvtflow.__file__).read_text()
+        checked = re.findall(r"import (\w+) as \1\n", package)
+        errors = {name for name in cvtflow.__all__ if isinstance(getattr(cvtflow, name), type) and issubclass(getattr(cvtflow, name), Exception)}
+        self.assertEqual(sorted(checked), sorted(set(cvtflow.__all__) - errors), "what type checkers see")
+        self.assertEqual(errors, {name for name, each in vars(_errors).items() if isinstance(each, type)})
+        for name in cvtflow.__all__:
+            member = getattr(cvtflow, name)
             self.assertTrue(member.__doc__, name)
-            if not inspect.isclass(member) or issubclass(member, Exception) or hasattr(member, "__members__"):
-                continue
-            stubbed = {node.name for node in names[name].body if isinstance(node, ast.FunctionDef)}
-            needed = {"__getitem__", "__iter__", "__enter__", "__exit__"} & set(vars(member))
-            self.assertLessEqual(needed, stubbed, name)  # else type checkers refuse scene["load.torque"] and with-statements
-            for key, of_class in vars(member).items():
-                if key.startswith("_") or not (callable(of_class) or isinstance(of_class, property)):
-                    continue
-                self.assertTrue(of_class.__doc__ and len(of_class.__doc__) > 3, f"{name}.{key}")
-                if not isinstance(of_class, member):
-                    self.assertIn(key, stubbed, name)
+            self.assertFalse(name in errors and len(member.__doc__) < 10, name)
+            if not inspect.isclass(member):
+                self.has_types(name, member)
+            elif name not in errors and not issubclass(member, (enum.Enum, tuple)):
+                for key, of_class in vars(member).items():
+                    function = inspect.unwrap(getattr(of_class, "fget", None) or getattr(of_class, "__func__", of_class))
+                    if not key.startswith("_") and inspect.isfunction(function) and function.__name__ != "<lambda>":
+                        self.assertTrue(of_class.__doc__ and len(of_class.__doc__) > 3, f"{name}.{key}")
+                        self.has_types(f"{name}.{key}", function)
+
+    def has_types(self, name, function):
+        signature = inspect.signature(function)
+        self.assertNotEqual(signature.return_annotation, signature.empty, name)
+        for parameter in signature.parameters.values():
+            self.assertTrue(parameter.name == "self" or parameter.annotation is not parameter.empty, f"{name}: {parameter.name}")
 
 
 main() if __name__ == "__main__" else None

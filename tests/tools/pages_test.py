@@ -103,7 +103,7 @@ class OneRecord(Pages):
             self.has(notice, words)
         self.assertNotIn("--", notice[4:notice.index("-->")], "which would end a comment")
         licences = cvtflow("list", "licenses").stdout
-        for library in ("three.js authors", "CLI11", "toml++", "JSON for Modern C++", "pybind11"):
+        for library in ("three.js authors", "CLI11", "toml++", "JSON for Modern C++"):
             self.has(licences, library)
 
     def test_states_what_was_simulated_and_what_is_not_the_default(self):

@@ -36,11 +36,8 @@ DEEP = os.environ.get("CVTFLOW_TEST_DEPTH") == "deep"
 folder = tempfile.TemporaryDirectory(prefix="cvtflow-reduce-")
 os.chdir(folder.name)
 sys.dont_write_bytecode = True
-drawing = types.ModuleType("reduction")  # the package without the compiled module
-drawing.__path__ = [SOURCE + "/api/python/cvtflow"]
-sys.modules["reduction"] = drawing
-from reduction import _reduce, _reduction, _small  # noqa: E402
-from reduction._known import Misuse  # noqa: E402
+from cvtflow import _reduce, _reduction, _small  # noqa: E402
+from cvtflow._known import Misuse  # noqa: E402
 
 SCENE = {"chain.pins": 84, "chain.pitch": 8.12e-3, "pulley.centre_distance": 0.17, "pulley.innermost": 0.025, "pulley.outermost": 0.08,
          "tip.angle": math.radians(11), "tip.friction_coefficient": 0.09, "tip.friction_scale": 1.0, "pulley.sheave_polar_inertia": 8e-3,

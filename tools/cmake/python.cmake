@@ -1,19 +1,14 @@
-# The Python package: copied to the build folder, where program and tests find it, and installed with the program. Only the compiled module in it
-# (api/python) requires more than an interpreter.
+# The Python package: copied to the build folder, where program and tests find it, and installed with the program.
 set(CVTFLOW_PYTHON_DIR lib/python3/dist-packages)   # below a prefix
-set(python_include "")
 if(Python3_EXECUTABLE)
-  # Include folder, suffix of modules, place of modules below a prefix.
+  # Place of modules below a prefix.
   execute_process(COMMAND ${Python3_EXECUTABLE} -c "import os, sysconfig
 schemes = sysconfig.get_scheme_names()
 scheme = 'deb_system' if 'deb_system' in schemes else 'posix_prefix'
-print(sysconfig.get_path('include'), sysconfig.get_config_var('EXT_SUFFIX'),
-      os.path.relpath(sysconfig.get_path('platlib', scheme, {'platbase': '/p', 'base': '/p'}), '/p'), sep=';')"
-    OUTPUT_VARIABLE answers OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
+print(os.path.relpath(sysconfig.get_path('platlib', scheme, {'platbase': '/p', 'base': '/p'}), '/p'))"
+    OUTPUT_VARIABLE place OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
   if(NOT failed)
-    list(GET answers 0 python_include)
-    list(GET answers 1 python_suffix)
-    list(GET answers 2 CVTFLOW_PYTHON_DIR)
+    set(CVTFLOW_PYTHON_DIR ${place})
   endif()
 endif()
 set(python_prefix ${PROJECT_BINARY_DIR}/prefix/cvtflow)   # in the build folder

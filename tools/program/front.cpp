@@ -62,7 +62,8 @@ std::string python_package(const std::string& name) {
     const fs::path program = fs::canonical("/proc/self/exe"), build = CVTFLOW_BUILD_FOLDER;
     const bool built = std::mismatch(build.begin(), build.end(), program.begin(), program.end()).first == build.end();
     const fs::path place = (built ? build / "prefix/cvtflow" : program.parent_path().parent_path()) / CVTFLOW_PYTHON_DIR;
-    const fs::path file = place / "cvtflow" / name;
+    const fs::path around = program.parent_path().parent_path();  // of a wheel, which has the program inside the package
+    const fs::path file = (fs::exists(around / "__main__.py") ? around : place / "cvtflow") / name;
     struct stat of_program {};
     if (::stat(program.c_str(), &of_program) == 0 && !is_open_to_others(file, of_program.st_uid) &&
         !is_open_to_others(file.parent_path(), of_program.st_uid))

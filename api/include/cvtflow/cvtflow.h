@@ -271,6 +271,24 @@ typedef int (*cvtflow_progress_function)(const cvtflow_progress* progress, void*
 CVTFLOW_API cvtflow_code cvtflow_sweep_run(const char* file, const char* folder, int32_t threads, cvtflow_progress_function function,
                                            void* user, cvtflow_message* message);
 
+/* Choice of tuning. */
+typedef struct cvtflow_tuning {
+    uint32_t size;
+    int32_t kept;     /* other than 0: taken from the cache, not measured now */
+    double error;     /* largest measured error [1] */
+    char choice[240]; /* in words */
+} cvtflow_tuning;
+/* Other than 0 ends what is under way. */
+typedef int (*cvtflow_asked_function)(void* user);
+
+/* The scene with the cheapest detail, method and step for a largest error of the outputs, above 0 and at most 0.5: measured at the scene's start
+ * and at the extremes of its tables over time, or taken from the cache. Takes seconds to minutes. outputs as "slip,efficiency", NULL: slip,
+ * efficiency, tight_tension, tips. budget: wall time after which no further choice is tried [s]; 0: no limit. folder of the cache; NULL: the
+ * user's. The function, if not NULL, is called by the calling thread every 50 ms. CVTFLOW_STATE if nothing is as accurate. Not in the core library. */
+CVTFLOW_API cvtflow_code cvtflow_tune(const cvtflow_scene* scene, double accuracy, const char* outputs, double budget, const char* folder,
+                                      cvtflow_asked_function function, void* user, cvtflow_scene** tuned, cvtflow_tuning* tuning,
+                                      cvtflow_message* message);
+
 /* Records of runs. One record is used by one thread at a time, and no two at once. Strings of a description live as long as the record. */
 CVTFLOW_API cvtflow_code cvtflow_record_open(const char* path, cvtflow_record** record, cvtflow_message* message);
 CVTFLOW_API void cvtflow_record_close(cvtflow_record* record);                 /* NULL is allowed */

@@ -9,27 +9,75 @@
     rows.plot("ratio")                                # with Matplotlib
 
 Numbers are in SI units, texts carry their units. scene.keys() lists what a scene is made of. Simulations step side by side on threads of
-Python. Names are those of the C++ interface.
+Python. Names are those of the C interface.
 """
 
-from . import _classes
+import importlib
+import typing
 
-_classes.install()  # before the names below are taken
+if typing.TYPE_CHECKING:
+    from ._errors import *  # noqa: F401,F403
+    from ._fit import Fit as Fit
+    from ._fit import fit as fit
+    from ._library import Column as Column
+    from ._library import Counters as Counters
+    from ._library import Energy as Energy
+    from ._library import SweepProgress as SweepProgress
+    from ._library import Transition as Transition
+    from ._library import display_unit as display_unit
+    from ._library import library_version as library_version
+    from ._library import quantity as quantity
+    from ._library import shutdown as shutdown
+    from ._results import Rows as Rows
+    from ._results import run as run
+    from ._scene import KeyInfo as KeyInfo
+    from ._scene import Scene as Scene
+    from ._scene import ready_scenes as ready_scenes
+    from ._scene import scene_keys as scene_keys
+    from ._series import Record as Record
+    from ._simulation import Input as Input
+    from ._simulation import Recording as Recording
+    from ._simulation import Simulation as Simulation
+    from ._simulation import State as State
+    from ._simulation import Threads as Threads
+    from ._sweep import Sweep as Sweep
+    from ._sweep_file import SweepFile as SweepFile
+    from ._sweep_file import Table as Table
+    from ._tables import Results as Results
+    from ._tune import Tuning as Tuning
+    from ._tune import tune as tune
+    from .pages import report as report
 
-from ._cvtflow import *  # noqa: E402,F401,F403
-from ._cvtflow import Scene as Scene
-from ._cvtflow import Simulation as Simulation
-from ._cvtflow import library_version as library_version
-from ._fit import Fit as Fit
-from ._fit import fit as fit
-from ._results import Rows as Rows
-from ._results import run as run
-from ._scene import ready_scenes as ready_scenes
-from ._series import Record as Record
-from ._sweep import Sweep as Sweep
-from ._tables import Results as Results
-from .pages import report as report
+# Names by module, which is imported when one of them is used: a command that needs little starts in little time.
+_MODULES = {
+    "_errors": "Error Fault ArgumentError SceneError StartStateError StateError BusyError ForkedError CancelledError OutOfMemoryError "
+               "InternalError CallbackError RecordError NonFiniteError PenetrationError LeftSheaveError MaxStepsError MaxWallError BlowUpError "
+               "OtherFaultError",
+    "_library": "Column Counters Energy SweepProgress Transition display_unit library_version quantity shutdown",
+    "_scene": "KeyInfo Scene ready_scenes scene_keys",
+    "_simulation": "Input Recording Simulation State Threads",
+    "_results": "Rows run",
+    "_series": "Record",
+    "_sweep": "Sweep",
+    "_sweep_file": "SweepFile Table",
+    "_tables": "Results",
+    "_tune": "Tuning tune",
+    "_fit": "Fit fit",
+    "pages": "report",
+}
+_PLACES = {name: module for module, names in _MODULES.items() for name in names.split()}
+__all__ = list(_PLACES)
 
-__version__ = library_version()
 
-Scene.__module__ = Simulation.__module__ = "cvtflow"
+def __getattr__(name: str) -> typing.Any:
+    if name == "__version__":
+        return __getattr__("library_version")()
+    if name not in _PLACES:
+        raise AttributeError(f"module 'cvtflow' has no attribute '{name}'")
+    value = getattr(importlib.import_module("." + _PLACES[name], __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *__all__]

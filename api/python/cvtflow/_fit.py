@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ._cvtflow import Scene, quantity
+from ._library import quantity
+from ._scene import Scene
 from ._scene import all_keys, resolve
 from ._sweep import Sweep, opened
 

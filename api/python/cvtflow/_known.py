@@ -1,14 +1,13 @@
 """What the library knows about names and units."""
 
-import ctypes
 import difflib
 import functools
-import json
 import math
 import os
 import re
 
-import numpy as np
+from ._errors import RecordError, SceneError
+from ._library import described, display_unit, quantity  # noqa: F401 (for others)
 
 
 class Misuse(ValueError):
@@ -22,37 +21,9 @@ class UnknownName(Misuse, KeyError):
 
 
 @functools.lru_cache(maxsize=None)
-def _compiled():
-    from . import _cvtflow
-
-    return _cvtflow
-
-
-@functools.lru_cache(maxsize=None)
-def described(what):
-    """What the library knows of a subject (cvtflow_describe): lists and dicts."""
-    describe, size = ctypes.CDLL(_compiled().__file__).cvtflow_describe, ctypes.c_size_t()
-    describe(what.encode(), None, ctypes.byref(size), None)
-    text = ctypes.create_string_buffer(size.value)
-    if describe(what.encode(), text, ctypes.byref(size), None):
-        raise ValueError(f"no description of {what}")
-    return json.loads(text.value)
-
-
-@functools.lru_cache(maxsize=None)
 def rows_of(what):
     """Rows of a subject by their names: "keys", "channels", "notes"."""
     return {row["name"]: row for row in described(what)}
-
-
-@functools.lru_cache(maxsize=None)
-def display_unit(name, unit):
-    """Unit in which pictures show a quantity, and the factor to it from SI: ("rpm", 9.549…)."""
-    plain = name.replace("/", "_").replace(".", "_")
-    for row in described("units")["shown"]:
-        if row["unit"] == (unit or "1") and row["part"] in plain:
-            return row["shown"], row["factor"]
-    return unit, 1.0
 
 
 def quantity_name(unit):
@@ -86,6 +57,8 @@ def quotient_of(changes):
     """Of the changes of two sums their quotient, infinite or NaN where shaft 2 has not turned. Of five [J] 1 - losses/input; NaN where no
     energy flows: without input, without load (a hundredth of the input at least), and where more is lost than comes in."""
     if len(changes) == 2:
+        import numpy as np
+
         with np.errstate(divide="ignore", invalid="ignore"):
             return float(np.divide(*changes))
     lost, pump, clamping, *shafts = changes
@@ -118,26 +91,38 @@ def suggestion(name, names):
     return f' (did you mean "{near[0]}"?)' if near else ""
 
 
-def quantity(text, unit):
-    """The number of a text with its unit, in SI."""
-    return _compiled().quantity(text, unit)
+def require_file(path):
+    """Raises RecordError with the reason where a file cannot be opened."""
+    try:
+        open(path, "rb").close()
+    except OSError as error:
+        raise RecordError(f"{path}: {error.strerror}") from None
 
 
 def record_file(path):
-    """An opened record."""
-    return _compiled().RecordFile(os.fsencode(path))
+    """An opened record. Raises RecordError, TypeError."""
+    path = os.fspath(path)
+    from ._reading import RecordFile
+
+    require_file(path)
+    try:
+        return RecordFile(path)
+    except (OSError, KeyError) as error:
+        raise RecordError(f"{path}: not a record that can be read: {error}") from None
 
 
 def read_scene(text):
     """The Scene of a text with its keys, without its start state: that file may no longer exist. Raises SceneError."""
-    return _compiled().Scene.parse(re.sub(r"(?m)^state = .*$", "", text), "scene")
+    from ._scene import Scene
+
+    return Scene.parse(re.sub(r"(?m)^state = .*$", "", text), "scene")
 
 
 def scene_of(record):
     """The scene of a Record; None where it cannot be read."""
     try:
         return read_scene(record.attributes.get("parameters", ""))
-    except _compiled().SceneError:
+    except SceneError:
         return None
 
 
@@ -146,7 +131,7 @@ def scene_of_sweep(results):
     lines = [line for line in str(results.attributes.get("definition", "")).splitlines() if line.partition(" = ")[0] in rows_of("keys")]
     try:
         return read_scene("\n".join(lines)) if lines else None
-    except _compiled().SceneError:
+    except SceneError:
         return None
 
 

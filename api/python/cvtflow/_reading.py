@@ -1,11 +1,10 @@
-"""Records of runs by h5py, for a process without the compiled module. The program has checked the file before."""
-
-import collections
+"""Records of runs by h5py."""
 
 import h5py
 import numpy as np
 
-Column = collections.namedtuple("Column", "name unit description width")
+from ._errors import ArgumentError
+from ._library import Column
 
 
 def _text(value):
@@ -13,7 +12,7 @@ def _text(value):
 
 
 class RecordFile:
-    """As RecordFile of the compiled module."""
+    """The record of a run, read on demand."""
 
     def __init__(self, path):
         try:
@@ -42,8 +41,10 @@ class RecordFile:
         return [column for _, column in sorted(found, key=lambda each: each[0])]
 
     def read(self, channel, first=0, count=None):
-        rows = self._file["channels"][channel]
-        values = rows[first:self._count if count is None else min(self._count, first + count)].astype(float)
+        last = max(first, self._count) if count is None else first + count
+        if not 0 <= first <= last <= self._count:
+            raise ArgumentError(f"rows {first} to {last} of {self._count}")
+        values = self._file["channels"][channel][first:last].astype(float)
         return values[:, 0] if values.ndim > 1 and values.shape[1] == 1 else values
 
     def state_times(self):
@@ -56,4 +57,6 @@ class RecordFile:
         return self._file["states/phases"][number] if "phases" in self._file["states"] else np.empty(0, dtype=np.uint8)
 
     def transitions(self):
-        return self._file["tables/transitions"][:]
+        rows = self._file["tables/transitions"][:]
+        rows.dtype.names = [{"from": "phase_from", "to": "phase_to"}.get(name, name) for name in rows.dtype.names]
+        return rows

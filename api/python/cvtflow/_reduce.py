@@ -14,6 +14,7 @@ import tomllib
 import numpy as np
 
 from . import _known
+from ._numbers import belt_radii
 
 SHARES = (0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.85, 0.95)  # of the torque limit
 SAFETY = 1.3  # of tables over torque, where the scene has none

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from ._channels import split
-from ._cvtflow import Scene, Simulation, Threads
 from ._known import UnknownName, suggestion, sums
 from ._numbers import Array
+from ._scene import Scene
 from ._series import Record, Series, seconds  # noqa: F401 (Record: of recordings)
+from ._simulation import Simulation, Threads
 
 
 class Rows(Series, dict[str, Array]):

@@ -8,15 +8,15 @@ import os
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from ._cvtflow import RecordError, Scene, SceneError, StateError, SweepFile, Table
-from ._scene import flat, resolve, toml
+from ._errors import RecordError, SceneError, StateError
+from ._scene import Scene, flat, is_path, opened, resolve, toml
+from ._sweep_file import SweepFile, Table
 from ._tables import Results
 
 
@@ -74,7 +74,7 @@ class Sweep:
 
     def _place(self):
         """The scene's entry in a sweep file, which may be in any folder."""
-        return os.path.abspath(self.scene) if _is_path(self.scene) else self.scene
+        return os.path.abspath(self.scene) if is_path(self.scene) else self.scene
 
     @property
     def text(self) -> str:
@@ -153,9 +153,9 @@ class Sweep:
         folder.mkdir(parents=True, exist_ok=True)
         if (folder / "cases.h5").exists() and not self._has_files(folder):
             with tempfile.TemporaryDirectory() as elsewhere:  # of another sweep: it is refused; else it continues
-                self.write(Path(elsewhere, "sweep.toml")).run(str(folder), threads, progress)
+                _run(self.write(Path(elsewhere, "sweep.toml")), folder, threads, progress)
         else:
-            self.write(folder / "sweep.toml").run(str(folder), threads, progress)
+            _run(self.write(folder / "sweep.toml"), folder, threads, progress)
         return self.results(folder)
 
     def _has_files(self, folder):
@@ -282,17 +282,6 @@ def _ends(key, ends):
     return ends if isinstance(ends, Mapping) else {"from": ends[0], "to": ends[1]}
 
 
-def opened(scene):
-    """A Scene, of its own, by the name of a ready one, or from a file."""
-    if isinstance(scene, Scene):
-        return scene
-    return Scene.read(scene) if _is_path(scene) else Scene.ready(scene)
-
-
-def _is_path(scene):
-    return isinstance(scene, os.PathLike) or "/" in scene or scene.endswith(".toml")
-
-
 def _work(folder, threads):
     """A worker of a sweep, as a task of Dask."""
     from distributed import Event
@@ -322,6 +311,15 @@ def _reporter(progress):
     return _Line() if progress is True else progress or None
 
 
+def _run(file, folder, threads, progress):
+    """Runs a SweepFile with the progress of Sweep.run()."""
+    report = _reporter(progress)
+    if isinstance(report, _Line):
+        file.run(folder, threads, report, report.show)
+    else:
+        file.run(folder, threads, report)
+
+
 class _Line:
     """Progress of a sweep as one line that replaces itself: on stderr if that is a terminal, in a notebook's cell, elsewhere nothing."""
 
@@ -346,42 +344,3 @@ class _Line:
         if text != self._text or end:
             print("\r" + text.ljust(len(self._text)), end=end, file=self._stream, flush=True)
         self._text = text
-
-
-_run_uninterrupted = SweepFile.run
-
-
-def _run(self, folder, threads=0, progress=None):
-    """Runs the cases that are missing in folder/cases.h5. False after cancel(). Ctrl-C ends it; running cases leave checkpoints. progress:
-    as in Sweep.run()."""
-    report = _reporter(progress)
-    line = report if isinstance(report, _Line) else None
-    done, thrown = [], []
-    over = threading.Event()  # not Thread.join: interrupted by a signal, Python 3.11 takes the thread for ended
-
-    def work():
-        try:
-            done.append(_run_uninterrupted(self, folder, threads, report))
-        except BaseException as error:
-            thrown.append(error)
-        finally:
-            over.set()
-
-    threading.Thread(target=work).start()  # so that this one can be interrupted
-    try:
-        while not over.wait(0.1):
-            if line:
-                line.show()
-    except BaseException:
-        self.cancel()
-        over.wait()
-        raise
-    finally:
-        if line:
-            line.show("\n")
-    if thrown:
-        raise thrown[0]
-    return done[0]
-
-
-SweepFile.run = _run

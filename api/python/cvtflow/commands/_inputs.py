@@ -8,6 +8,7 @@ import numpy as np
 from .. import _known
 from .._measured import Measured, csv_rows, heading_of, number_of
 from .._series import Record
+from .._sweep_file import Table
 from .._tables import Results
 from ._front import UsageError
 
@@ -56,7 +57,7 @@ def is_sweep(path):
     if os.path.isdir(path) or path.endswith(".csv") or os.path.basename(path) == "cases.h5":
         return True
     try:
-        _known._compiled().Table(os.fsencode(path))
+        Table(path)
         return True
     except (RuntimeError, ValueError):  # ValueError: its message has a name that is no text
         return False
@@ -82,7 +83,7 @@ def results(path, conditions=()):
         found = Results(_Table(path))
         found.name = os.path.splitext(os.path.basename(path))[0]
     else:
-        found = Results(_known._compiled().Table(os.fsencode(_table_path(path))))
+        found = Results(Table(_table_path(path)))
     found.path = os.fsencode(path).decode("utf-8", "replace")
     for condition in conditions:
         found = _kept(found, condition)
