@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
     cvtflow::bench::add_staged_assembly();
     return cvtflow::tools::run_program({"cvtflow-lab", "Measures methods, schedules and runtimes of cvtflow", cvtflow::bench::commands(),
                                         "  cvtflow-lab profile baseline\n"
-                                        "  cvtflow-lab compare baseline rk4@50ns leapfrog-chebyshev@auto\n"
+                                        "  cvtflow-lab compare baseline rk4@50ns leapfrog-sweep@auto\n"
                                         "  cvtflow-lab method rk4",
                                         "cvtflow"},
                                        argc, argv);

@@ -10,7 +10,6 @@
 #include "bench/method/fitted_method.hpp"
 #include "bench/method/implicit/catalogue.hpp"
 #include "engine/thread/guards.hpp"
-#include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/method.hpp"
 
 namespace cvtflow::bench {
@@ -39,22 +38,9 @@ namespace {
     };
 }
 
-/// The product's leapfrog with damped RKC stages.
-[[nodiscard]] MethodProgram leapfrog_rkc() {
-    const std::vector<MethodProgram> rows = friction_methods();
-    MethodProgram row = *std::ranges::find(rows, std::string_view("leapfrog-chebyshev"), &MethodProgram::name);
-    row.name = "leapfrog-rkc";
-    row.description = "leapfrog, friction in damped RKC stages on velocities inside the step";
-    row.order = 2;
-    row.reach.oscillation = 1.7320653080221804;
-    row.reach.decay = 45116.422100472591;
-    row.make = [](Workspace& workspace) -> std::unique_ptr<StepMethod> { return std::make_unique<FrictionLeapfrog>(workspace, rkc_kick); };
-    return row;
-}
-
 [[nodiscard]] std::vector<MethodProgram> all_programs() {
     std::vector<MethodProgram> all;
-    for (const auto& some : {spectral_programs(), {leapfrog_rkc()}, implicit_programs()}) all.insert(all.end(), some.begin(), some.end());
+    for (const auto& some : {spectral_programs(), implicit_programs()}) all.insert(all.end(), some.begin(), some.end());
     return all;
 }
 
@@ -88,9 +74,6 @@ constexpr double max_damping = 1e-4;
 }
 
 }  // namespace
-
-const Kick rkc_kick{[](int stages) { return without_last_evaluation(rkc(stages, rkc_kick_damping)); },
-                    [](int stages) { return rkc_reach(stages, rkc_kick_damping); }};
 
 void add_laboratory_methods() {
     static const bool once = [] {

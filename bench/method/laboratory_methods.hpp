@@ -2,17 +2,12 @@
 /// All methods of the laboratory, beside those of the product: named in scenes of cvtflow-lab and of the tests like any other.
 
 #include "bench/method/product_names.hpp"
-#include "tasks/method/friction/kick_tables.hpp"
 #include "tasks/method/method.hpp"
 
 namespace cvtflow::bench {
 
 /// Adds them to the product's catalogue, once per process, before anything else asks it.
 void add_laboratory_methods();
-
-/// Friction in stages of RKC, of order 2, damped more than usual: less leaves friction forces behind, more costs stages.
-extern const Kick rkc_kick;
-inline constexpr double rkc_kick_damping = 10.0;  ///< [1]
 
 /// The reach that follows from a table, which the catalogue declares.
 [[nodiscard]] engine::StageReach derived_reach(const engine::StagePlan& plan);

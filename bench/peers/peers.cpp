@@ -46,18 +46,8 @@ struct Settings {
     int rounds = 3;
     double agreement = 0.0;  ///< the smallest error of tensions that every solver has to come down to; 0: any [1]
     std::vector<double> tolerances{1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
-    std::vector<Candidate> methods{{"rk4", 50e-9},
-                                   {"rk4", 25e-9},
-                                   {"dumka3-p5", 3e-6},
-                                   {"dumka3-p5", 2e-6},
-                                   {"dumka3-p5", 1e-6},
-                                   {"leapfrog-chebyshev", 3e-6},
-                                   {"leapfrog-chebyshev", 2e-6},
-                                   {"leapfrog-chebyshev", 1e-6},
-                                   {"leapfrog-chebyshev", 0.5e-6},
-                                   {"leapfrog-rkc", 2e-6},
-                                   {"leapfrog-rkc", 1e-6},
-                                   {"leapfrog-rkc", 0.5e-6}};
+    std::vector<Candidate> methods{{"rk4", 50e-9},      {"rk4", 25e-9},           {"dumka3-p5", 3e-6},     {"dumka3-p5", 2e-6},
+                                   {"dumka3-p5", 1e-6}, {"leapfrog-sweep", 2e-6}, {"leapfrog-sweep", 1e-6}};
 };
 
 /// One solver with one step or tolerance.

@@ -29,8 +29,7 @@ struct ContactComponents {
     /// Components of a tip; sheave: velocity of the sheave against the tip where it touches; drift: change of the sheave's over the step,
     /// along with the tip.
     struct Tip {
-        static constexpr int normal = 0, lever_x = 3, lever_y = 4, sheave = 5, drift = 8, friction_limit = 11, least = 12, most = 13,
-                             count = 14;
+        static constexpr int normal = 0, lever_x = 3, lever_y = 4, sheave = 5, drift = 8, friction_limit = 11, count = 12;
     };
     [[nodiscard]] constexpr int joint(int point) const noexcept { return 3 + Joint::count * point; }
     /// μN of a plate [N].
@@ -46,10 +45,8 @@ struct ContactComponents {
 
 struct ContactField {
     explicit ContactField(const ChainModel& chain);
-    /// Makes `count` columns of contacts that have never touched.
+    /// Makes `count` columns.
     void make_columns(int count);
-    /// Sets to zero how contacts slide at the velocities that others count from, and the sheaves' motion.
-    void stop() noexcept;
 
     [[nodiscard]] std::size_t bytes() const noexcept { return columns.bytes() + arms.bytes(); }
 
@@ -110,7 +107,7 @@ struct StepEnd {
     const double* counted_from;  ///< blocks; velocities count from theirs
     const double* start;         ///< blocks at the step's start
     double* end;                 ///< blocks at its end: coordinates by the mean of the velocities at both
-    double* secants;             ///< blocks of slopes: velocities at the end, mean accelerations; nullptr: none
+    double* secants;             ///< blocks of slopes: velocities at the end, mean accelerations
     double step;                 ///< [s]
     double limit;                ///< bound of every number of a sound state [m, m/s]
 };

@@ -1,6 +1,6 @@
 #pragma once
 /// Contacts of links side by side: how they slide at the links' velocities, and how forces at them act on the links' coordinates.
-/// (model/EQUATIONS.md sections 4 to 6) What the forces are is a matter of sweeps (sweep_lanes.hpp) and of stages (stage_lanes.hpp).
+/// (model/EQUATIONS.md sections 4 to 6) What the forces are is a matter of sweeps (sweep_lanes.hpp).
 /// Velocities count from those at which contacts were recorded. Every lane does the same operations in the same order whatever its
 /// neighbours are, so results do not depend on how links are grouped.
 
@@ -225,10 +225,6 @@ struct TipContacts {
         v.z = v.z - contact(corner, Tip::sheave + 2) - time * contact(corner, Tip::drift + 2);
         const V along = v.x * gx + v.y * gy + v.z * gz;
         return {v.x - along * gx, v.y - along * gy, v.z - along * gz};
-    }
-    /// A sliding speed within the branch of the law of the tip's phase.
-    [[nodiscard]] V within_branch(int corner, const V& speed) const noexcept {
-        return larger<W>(smaller<W>(speed, contact(corner, Tip::most)), contact(corner, Tip::least));
     }
 
     /// Adds forces on the tips of an end, and their moments about z.

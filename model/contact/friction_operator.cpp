@@ -58,20 +58,8 @@ void FrictionNumbers::respond_by(const HeldInverse& responses) noexcept {
     round_all(responses.turning, inverse.turning);
 }
 
-FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase, const FrictionKernels& kernels)
-    : chain_(chain),
-      inverse_(free_inverse(chain.inertia())),
-      numbers_(chain.coefficients(), inverse_),
-      by_phase_(by_phase),
-      kernels_(kernels) {}
-
-FrictionOperator FrictionOperator::all_sticking() const {
-    FrictionOperator sticking = *this;
-    for (FrictionCurve* curve : {&sticking.numbers_.joint, &sticking.numbers_.plate, &sticking.numbers_.tip}) *curve = curve->linear();
-    sticking.numbers_.tip_law = nullptr;
-    sticking.by_phase_ = false;
-    return sticking;
-}
+FrictionOperator::FrictionOperator(const ChainModel& chain, const FrictionKernels& kernels)
+    : chain_(chain), inverse_(free_inverse(chain.inertia())), numbers_(chain.coefficients(), inverse_), kernels_(kernels) {}
 
 void FrictionOperator::hold(float step) noexcept {
     if (step == held_for_) return;

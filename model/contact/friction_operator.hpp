@@ -29,7 +29,6 @@ struct FrictionNumbers {
 
 class FrictionOperator;
 
-struct FrictionStage;   // model/contact/friction_stage.hpp
 struct FrictionSweep;   // model/contact/sweep_step.hpp
 struct FrictionPowers;  // model/contact/sweep_step.hpp
 
@@ -39,7 +38,6 @@ using LinkAdvance = void(const double* from, const double* along, double by, dou
 /// Functions of friction, and of a step's middle and end, of one instruction set.
 struct FrictionKernels {
     void (*record)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const ContactRecord&, LinkLoad*, TipSearch*) noexcept;
-    void (*slopes)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;
     void (*sweep)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionSweep&) noexcept;
     /// Powers of the kept forces at the range's velocities. powers [links of the range]
     void (*powers)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FloatColumns& kept,
@@ -56,7 +54,7 @@ struct FrictionKernels {
 class FrictionOperator {
 public:
     /// make_friction() (model/variator/variator.hpp) makes one with the kernels of the chain's instruction set.
-    FrictionOperator(const ChainModel& chain, bool by_phase, const FrictionKernels& kernels);
+    FrictionOperator(const ChainModel& chain, const FrictionKernels& kernels);
 
     /// Number of scratch numbers for a range of `links` links.
     [[nodiscard]] int scratch_size(int links) const noexcept { return scratch_rows(chain_.layout().lateral()) * joint_stride(links); }
@@ -76,12 +74,6 @@ public:
                 TipSearch* search = nullptr) const noexcept {
         kernels_.record(*this, range, drift, to, loads, search);
     }
-    /// slope = base + A⁻¹ friction(velocity) of links first … last - 1, and what the stage makes of it.
-    void slopes(const ContactField& field, const FrictionRange& range, const FrictionStage& stage) const noexcept {
-        kernels_.slopes(*this, field, range, stage);
-    }
-    /// Friction linearised where every contact sticks: the steepest the law can be.
-    [[nodiscard]] FrictionOperator all_sticking() const;
     [[nodiscard]] const FrictionKernels& kernels() const noexcept { return kernels_; }
 
     /// Holds links from now on, as a step of this length does: what record() gives, and how velocities respond to forces.
@@ -89,8 +81,6 @@ public:
     void hold(float step) noexcept;
 
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
-    /// Whether the branch of the law is that of the tip's phase (detail.stick_slip).
-    [[nodiscard]] bool by_phase() const noexcept { return by_phase_; }
     /// Inverse by which velocities respond to forces.
     [[nodiscard]] const HeldInverse& inverse() const noexcept { return inverse_; }
     [[nodiscard]] const FrictionNumbers& numbers() const noexcept { return numbers_; }
@@ -100,7 +90,6 @@ private:
     HeldInverse inverse_;
     float held_for_ = 0.0F;  ///< step that inverse_ holds links for; 0: none is held [s]
     FrictionNumbers numbers_;
-    bool by_phase_;
     FrictionKernels kernels_;
 };
 

@@ -352,7 +352,7 @@ private:
         const AtTip<V> without =
             tips_.slip(corner, {v.x - responses_.tip * old.x, v.y - responses_.tip * old.y, v.z - responses_.tip * old.z}, turn);
         const V speed = sqrt(without.square()), lawful = lawful_share(full_slip, speed), lawful_slip = lawful * full_slip;
-        const V factor = -(lawful / (lawful_slip + tip_speed(corner, speed - lawful_slip)));
+        const V factor = -(lawful / (lawful_slip + larger<W>(speed - lawful_slip, V(numbers_.tip.saturation_speed))));
         const V none(0.0);
         const auto held = [&](const V& sliding) { return select_greater<W>(friction_limit, none, factor * sliding, none); };
         const AtTip<V> part{held(without.x), held(without.y), held(without.z)};
@@ -370,12 +370,6 @@ private:
     [[nodiscard]] V lawful_share(const V& full_slip, const V& speed) const noexcept {
         if (numbers_.tip_law == nullptr) return V(1.0);
         return speed_factor<W>(*numbers_.tip_law, braked_speed<W>(*numbers_.tip_law, full_slip, speed, V(numbers_.tip.saturation_speed)));
-    }
-
-    /// Sliding speed within the branch of the law that holds.
-    [[nodiscard]] V tip_speed(int corner, const V& sliding) const noexcept {
-        if (!operator_.by_phase()) return larger<W>(sliding, V(numbers_.tip.saturation_speed));
-        return tips_.within_branch(corner, sliding);
     }
 
     const FrictionOperator& operator_;

@@ -79,12 +79,7 @@ public:
     /// @param search nullptr: tips touch as the range's phases state
     ContactWriter(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const ContactRecord& to,
                   TipSearch* search) noexcept
-        : c_(friction.chain().coefficients()),
-          range_(range),
-          drift_(drift),
-          by_phase_(friction.by_phase()),
-          field_(to.field),
-          search_(search) {}
+        : c_(friction.chain().coefficients()), range_(range), drift_(drift), field_(to.field), search_(search) {}
 
     [[nodiscard]] TipSearch* search() const noexcept { return search_; }
 
@@ -114,7 +109,6 @@ public:
         arms.put(3 * corner, m.sheave_arm.x);
         arms.put(3 * corner + 1, m.sheave_arm.y);
         arms.put(3 * corner + 2, m.sheave_arm.z);
-        if (by_phase_) branches(group, count, corner);
     }
 
 private:
@@ -142,24 +136,9 @@ private:
         to.put(row + Tip::drift + 2, change(2) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
     }
 
-    /// Speeds between which the branch of the law of a tip's phase has its kink.
-    void branches(int group, int count, int corner) const noexcept {
-        const int row = field_.components.tip(corner);
-        const double v0 = c_.tip.friction.saturation_speed;
-        const Rows to = rows(group, count);
-        for (int lane = 0; lane < to.count; ++lane) {
-            const int link = range_.first + group + lane;
-            const Phase phase = range_.phases[tips_per_link * link + corner];
-            *field_.columns.at(row + Tip::least, link + range_.shift) = static_cast<float>(phase == Phase::slip ? slowest_single : v0);
-            *field_.columns.at(row + Tip::most, link + range_.shift) =
-                phase == Phase::stick ? static_cast<float>(v0) : std::numeric_limits<float>::max();
-        }
-    }
-
     const Coefficients& c_;  ///< friction included
     const ChainRange& range_;
     const ContactDrift& drift_;
-    bool by_phase_;
     ContactField& field_;
     TipSearch* search_;
 };

@@ -1,5 +1,4 @@
 #include "model/basis/native_lanes.hpp"
-#include "model/contact/stage_lanes.hpp"
 #include "model/contact/sweep_lanes.hpp"
 #include "model/kernels/kernels.hpp"
 #include "model/kernels/record_pass.hpp"
@@ -18,7 +17,7 @@ void record(const FrictionOperator& friction, const ChainRange& range, const Con
 
 template <>
 FrictionKernels friction_kernels<compiled_isa>() noexcept {
-    return {record, evaluate_links, sweep_links, sweep_powers, end_links, advance_links, react};
+    return {record, sweep_links, sweep_powers, end_links, advance_links, react};
 }
 
 }  // namespace cvtflow::model

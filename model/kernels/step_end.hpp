@@ -40,7 +40,6 @@ inline void end_block(StepEnd end, int link, const Lanes<W>& above, Lanes<W>& so
         place.copy_to(end.end + k);
         check(velocity);
         check(place);
-        if (end.secants == nullptr) continue;
         velocity.copy_to(end.secants + k);
         ((velocity - before) / step).copy_to(end.secants + size + k);
     }

@@ -29,14 +29,6 @@ FrictionCurve FrictionCurve::piecewise() const noexcept {
     return FrictionCurve({coefficient, saturation_speed}, detail);
 }
 
-FrictionCurve FrictionCurve::linear() const noexcept {
-    FrictionCurve curve = *this;
-    curve.law = FrictionLaw::smoothed;  // whose corner is then at infinity
-    curve.proportional_speed = curve.full_speed = curve.linear_speed_squared = std::numeric_limits<double>::infinity();
-    curve.shape = 0.0;
-    return curve;
-}
-
 namespace {
 
 /// Slope at a knot between two intervals: 0 at an extremum, else a weighted harmonic mean of both secants.

@@ -29,8 +29,6 @@ struct FrictionCurve {
 
     /// Curve with the same coefficient and saturation speed, without a smoothed corner.
     [[nodiscard]] FrictionCurve piecewise() const noexcept;
-    /// Curve that rises as at rest, up to any speed.
-    [[nodiscard]] FrictionCurve linear() const noexcept;
 };
 
 /// Monotone C¹ interpolation with a fixed number of knots: constant below the first and above the last, in between cubics that keep the

@@ -146,21 +146,6 @@ template <int W, class Laws = FrictionLaws>
     return Laws::visit(curve.law, [&](auto law) { return law.template share<W>(curve, velocity); });
 }
 
-/// Two of slip_factor_of_square() for one division. Sticking lanes get the factor at rest whether or not their neighbours need the
-/// division.
-template <int W>
-[[nodiscard]] inline std::pair<Lanes<W>, Lanes<W>> slip_factors_of_squares(const FrictionCurve& curve, const Lanes<W>& first,
-                                                                           const Lanes<W>& second) noexcept {
-    const Lanes<W> at_rest(curve.inverse_saturation_speed);
-    if (all_at_most<W>(larger<W>(first, second), curve.linear_speed_squared)) return {at_rest, at_rest};
-    const Lanes<W> a = regular_speed<W>(curve, sqrt(first)), b = regular_speed<W>(curve, sqrt(second));
-    const Reciprocals<W> inverse(a, b);
-    const auto chosen = [&](const Lanes<W>& square, const Lanes<W>& sliding) {
-        return select_greater<W>(square, Lanes<W>(curve.linear_speed_squared), sliding, at_rest);
-    };
-    return {chosen(first, slip_factor<W>(curve, a, inverse.first)), chosen(second, slip_factor<W>(curve, b, inverse.second))};
-}
-
 /// Factor by sliding speed ≥ 0 [m/s]. Every interval adds what it gains below the speed, so no lane has to find its interval.
 template <int W>
 [[nodiscard]] inline Lanes<W> speed_factor(const TipLaw& law, const Lanes<W>& speed) noexcept {

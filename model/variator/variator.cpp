@@ -162,6 +162,6 @@ ChainModel make_chain(const Parameters& parameters, Isa isa) {
     return {std::move(coefficients), inertia, isa, RigidChain::kernels(), std::move(rigid)};
 }
 
-FrictionOperator make_friction(const ChainModel& chain, bool by_phase) { return {chain, by_phase, kernels_of(chain.isa()).friction()}; }
+FrictionOperator make_friction(const ChainModel& chain) { return {chain, kernels_of(chain.isa()).friction()}; }
 
 }  // namespace cvtflow::model

@@ -18,8 +18,7 @@ class FrictionOperator;
 [[nodiscard]] ChainModel make_chain(const Parameters& parameters, Isa isa = chosen_isa());
 
 /// Friction of a chain, which must outlive it, with the kernels of the chain's instruction set.
-/// @param by_phase whether the branch of the law is that of the tip's phase (detail.stick_slip)
-[[nodiscard]] FrictionOperator make_friction(const ChainModel& chain, bool by_phase);
+[[nodiscard]] FrictionOperator make_friction(const ChainModel& chain);
 
 /// Links whose reactions are added up together.
 inline constexpr int links_per_sum = 4;

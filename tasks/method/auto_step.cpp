@@ -76,7 +76,7 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
         friction_growth_ = std::make_unique<NegativeSlopeFriction>(variator, parameters);
     if (friction_growth_ != nullptr) interval_ = check_interval;  // the forces that the growth is in proportion to change with the load
     if (reach_.damping == forever) return;
-    friction_matters_ = parameters.detail.pins == model::PinDetail::rigid || reach_.oscillation < (1.0 - 1e-6) * reach_.frictionless;
+    friction_matters_ = parameters.detail.pins == model::PinDetail::rigid;
     model::Parameters without_friction = parameters;
     for (model::Friction* friction : {&without_friction.plate.friction, &without_friction.joint.friction, &without_friction.tip.friction})
         friction->coefficient = 0.0;
@@ -91,7 +91,7 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
 double AutoStep::limit_of(const SpectralBound& part) const noexcept {
     const bool filtered = filter_ > 0.0 && &part == &damped_parts_.back() && part.real() < filtered_damping * part.imaginary();
     return filtered ? within(1.0 / std::sqrt(filter_), part.imaginary())
-                    : damped_limit(part.imaginary() / reach_.frictionless, part.real() / reach_.damping, friction_matters_);
+                    : damped_limit(part.imaginary() / reach_.oscillation, part.real() / reach_.damping, friction_matters_);
 }
 
 const SpectralBound& AutoStep::most_limiting() const noexcept {

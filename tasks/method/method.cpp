@@ -8,6 +8,7 @@
 
 #include "engine/base/text.hpp"
 #include "engine/method/compiled_plan.hpp"
+#include "engine/method/dumka3.hpp"
 #include "tasks/method/friction/sweep_leapfrog.hpp"
 #include "tasks/method/spectral_method.hpp"
 
@@ -29,6 +30,7 @@ FurtherMethods& further_methods() {
             .state_slots = 3,
             .slope_slots = 5,
             .make = dumka3_by_spectrum,
+            .reach = {.decay = engine::dumka3_reach(engine::dumka3_polynomials - 1)},
             .estimates_error = true};
 }
 
@@ -71,8 +73,7 @@ std::vector<std::string> method_names() {
 bool belongs_to_laboratory(std::string_view method) noexcept {
     // How names of its methods begin (bench/method; a test there compares).
     for (const std::string_view beginning :
-         {"rk38", "dopri65", "dopri87", "euler-x", "gbs", "rkc", "serk2", "fitted", "leapfrog-rkc",
-          "leapfrog-chebyshev-double", "leapfrog-sweep-double", "trapezoidal-", "sw2", "ros34pw2", "w-x"})
+         {"rk38", "dopri65", "dopri87", "euler-x", "gbs", "rkc", "serk2", "fitted", "trapezoidal-", "sw2", "ros34pw2", "w-x"})
         if (method.starts_with(beginning)) return true;
     return false;
 }
@@ -82,6 +83,9 @@ std::string no_method(std::string_view method) {
         return fmt::format("no method '{}': {} takes {}", method, family->form, family->limits);
     if (belongs_to_laboratory(method) && further_methods().programs == nullptr)
         return fmt::format("{} belongs to the laboratory: cvtflow-lab run SCENE --method {}", method, method);
+    if (method == "leapfrog-chebyshev")
+        return fmt::format("no method '{}' any more: leave run.method out, or take dumka3 for the smoothed law and for stick and slip",
+                           method);
     const std::string near = engine::closest(method, method_names());
     return fmt::format("no method '{}' ({})", method, near.empty() ? "cvtflow list methods" : fmt::format("did you mean '{}'?", near));
 }
@@ -162,7 +166,7 @@ std::span<const AutomaticChoice> automatic_choices() noexcept {
         AutomaticChoice{"rk4", "pin halves in chains of fewer than 12 pins",
                         [](const model::Parameters& parameters) { return !missing_contact_fields(parameters).empty(); }},
         AutomaticChoice{"leapfrog-sweep", "pin halves with the piecewise friction law", sweeps_suit},
-        AutomaticChoice{"leapfrog-chebyshev", "other friction laws, saturation speeds below a hundredth of the usual ones",
+        AutomaticChoice{"dumka3", "a rounded corner of the law, stick and slip, saturation speeds below a hundredth of the usual ones",
                         [](const model::Parameters&) { return true; }},
     };
     return choices;

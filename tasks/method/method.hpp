@@ -36,8 +36,7 @@ struct MethodReach {
     double oscillation = unlimited;  ///< largest h ω of an elastic oscillation, whatever the friction beside it [1]
     double decay = unlimited;        ///< largest h |λ| of friction and damping [1]
     double accurate = unlimited;     ///< largest h ω that it does not damp much more than the chain does itself [1]
-    /// Methods that split friction, without friction: limit of h ω for an undamped oscillation, and of h δ for pure damping. [1]
-    double frictionless = unlimited, damping = unlimited;
+    double damping = unlimited;      ///< of methods that solve for friction: largest h δ of damping without friction [1]
 
     bool operator==(const MethodReach&) const = default;
 };

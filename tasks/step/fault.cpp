@@ -7,8 +7,8 @@
 namespace cvtflow::tasks {
 
 std::string Fault::name() const {
-    static constexpr const char* names[] = {"none",     "non_finite", "penetration", "left_sheave", "too_stiff",      "max_steps",
-                                            "max_wall", "cancelled",  "step_size",   "blow_up",     "step_too_short", "not_steady"};
+    static constexpr const char* names[] = {"none",      "non_finite", "penetration", "left_sheave",    "max_steps", "max_wall",
+                                            "cancelled", "step_size",  "blow_up",     "step_too_short", "not_steady"};
     static_assert(std::size(names) == static_cast<std::size_t>(FaultKind::not_steady) + 1);
     return names[static_cast<std::size_t>(kind)];
 }
@@ -44,11 +44,6 @@ std::string Fault::message() const {
                 *pin, value, when, limit);
         case FaultKind::left_sheave:
             return fmt::format("pin {} runs on a radius of {:.4g} m {}, off the sheave (limit {:.4g} m)", *pin, value, when, limit);
-        case FaultKind::too_stiff:
-            return fmt::format(
-                "friction is too stiff for the step {}: h lambda = {:.3g}, the method is stable to {:.3g}; use a shorter step or a larger "
-                "saturation speed",
-                when, value, limit);
         case FaultKind::max_steps: return fmt::format("the budget of {:.0f} steps (run.max_steps) is used up {}", limit, when);
         case FaultKind::max_wall: return fmt::format("the budget of {:.3g} s of wall time (run.max_wall) is used up {}", limit, when);
         case FaultKind::cancelled: return fmt::format("cancelled {}", when);

@@ -11,7 +11,6 @@ enum class FaultKind {
     non_finite,
     penetration,
     left_sheave,
-    too_stiff,
     max_steps,
     max_wall,
     cancelled,

@@ -41,7 +41,6 @@ enum class Field {
     contact,
     velocity_read,
     velocity_kept,
-    velocity_slope,
     force,
     mean_tip_force,   // of friction inside a step
     further_assembly  // first number of its fields

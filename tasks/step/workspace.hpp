@@ -78,20 +78,19 @@ enum class AtTransition {
 
 /// The present step; written by the controller between cycles, read by every task.
 struct alignas(model::cache_line) StepInput {
-    double time = 0.0;             ///< t at the step's start [s]
-    double h = 0.0;                ///< length of the step [s]
-    double dwell = 0.0;            ///< minimum time between two phase changes of a tip [s]
-    double search_until = 0.0;     ///< end of the proposed step; transitions are searched for up to here [s]
-    engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
-    double theta = 1.0;            ///< place at which a truncate cycle cuts, share of the step
-    bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links
-    engine::PlanStep error_row{};  ///< row that combines the error
-    ErrorScale error_scale;        ///< units of the error
-    Transition due;                ///< transition at which a truncate cycle cuts
-    bool end_state_ready = false;  ///< the step method has left the links' result in end_state; a detect cycle combines nothing
-    long evaluations = 0;          ///< evaluations of the right-hand side so far
-    double* slope_out = nullptr;   ///< [layout.size()] where an evaluate cycle writes slopes
-    bool evaluate_end = false;     ///< an evaluate cycle works at the end of the step instead of a stage
+    double time = 0.0;                                       ///< t at the step's start [s]
+    double h = 0.0;                                          ///< length of the step [s]
+    double dwell = 0.0;                                      ///< minimum time between two phase changes of a tip [s]
+    double search_until = 0.0;                               ///< end of the proposed step; transitions are searched for up to here [s]
+    engine::PlanStep row{};                                  ///< stage or result that an evaluate cycle combines
+    double theta = 1.0;                                      ///< place at which a truncate cycle cuts, share of the step
+    bool estimate_error = false;                             ///< a detect cycle also estimates the local error of its links
+    engine::PlanStep error_row{};                            ///< row that combines the error
+    ErrorScale error_scale;                                  ///< units of the error
+    Transition due;                                          ///< transition at which a truncate cycle cuts
+    long evaluations = 0;                                    ///< evaluations of the right-hand side so far
+    double* slope_out = nullptr;                             ///< [layout.size()] where an evaluate cycle writes slopes
+    bool evaluate_end = false;                               ///< an evaluate cycle works at the end of the step instead of a stage
     AtTransition at_transition = AtTransition::interpolate;  ///< treatment of transitions by the method
 
     /// Whether slopes at both ends are made from the states there.

@@ -22,7 +22,7 @@ struct TuneChoice {
     double share = 1.0;  ///< share of the automatic step; 1: automatic steps
     double step = 0.0;   ///< fixed step whatever the automatic one is; 0: none [s]
 
-    /// "fine, leapfrog-chebyshev, 1/2 of the automatic step"
+    /// "fine, leapfrog-sweep, 1/2 of the automatic step"
     [[nodiscard]] std::string text() const;
     bool operator==(const TuneChoice&) const = default;
 };

@@ -356,12 +356,12 @@ TEST(HostTime, MayBeAskedForInPartsOfAStep) {
 
 /// Elasticity limits leapfrogs: h ω < 2 with the 1.23e5 Hz of the fastest oscillation, some microseconds.
 TEST(HostTime, KnowsTheLargestStableStepOfProgramsToo) {
-    Simulation leapfrog(tiny({"run.method=leapfrog-chebyshev"})), dumka3(tiny({"run.method=dumka3"}));
+    Simulation leapfrog(tiny({"run.method=leapfrog-sweep"})), dumka3(tiny({"run.method=dumka3"}));
     for (Simulation* simulation : {&leapfrog, &dumka3}) simulation->advance_to(-2.9e-4);
     EXPECT_GT(leapfrog.largest_stable_step(), 1e-6);
     EXPECT_LT(leapfrog.largest_stable_step(), 2.0 / (2.0 * 3.14159 * 1e5));
-    EXPECT_TRUE(std::isinf(dumka3.largest_stable_step())) << "it has a polynomial for every step";
-    EXPECT_EQ(leapfrog.method(), "leapfrog-chebyshev");
+    EXPECT_GT(dumka3.largest_stable_step(), 50e-6) << "its longest polynomial reaches far";
+    EXPECT_EQ(leapfrog.method(), "leapfrog-sweep");
     EXPECT_EQ(Simulation(tiny({"run.method=auto"})).method(), "leapfrog-sweep");
 }
 

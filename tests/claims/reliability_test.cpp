@@ -20,35 +20,33 @@ namespace cvtflow::tasks {
 namespace {
 
 // A default cannot be silently wrong. Cases that were once wrong with status ok: every row is right with the automatic step, and not
-// reported as finished at 2 us; right values come from runs with steps of 0.5 us. Errors of the default method and its automatic step in
-// the figures of a run: means over 20 ms of every ready scene with pin halves, against half the step of friction stages. Outputs are 25 us
-// apart: closer ones shorten steps, and with fewer ones the mean slip depends on single pins that touch at an output of one run and not of
-// the other. As a command: cvtflow-lab compare baseline leapfrog-sweep@auto --reference leapfrog-chebyshev@714.2857ns --duration 20ms
-// --interval 25us
+// reported as finished at 4 us if it is wrong; right values come from runs with steps of 0.5 us. Errors of the default method and its
+// automatic step in the figures of a run: means over 20 ms of every ready scene with pin halves, against DUMKA3. Outputs are 25 us apart:
+// closer ones shorten steps, and with fewer ones the mean slip depends on single pins that touch at an output of one run and not of the
+// other. As a command: cvtflow-lab compare baseline leapfrog-sweep@auto --reference dumka3-p5@1us --duration 20ms --interval 25us
 
 struct Row {
     std::string scene;
     std::vector<std::string> settings;
-    std::string detail;
-    bool wrong_at_2us;  ///< else 2 us is right by itself, to a per cent
+    std::string detail = {};
 };
 
 const std::vector<Row>& rows() {
     static const std::vector<Row> all{
-        {"control", {}, "", true},
-        {"shift", {}, "", true},
-        {"load_ramp", {}, "", false},
-        {"baseline", {"clamping.driven=30 kN", "clamping.driving=40.65 kN"}, "fine", true},
-        {"baseline", {"clamping.driven=40 kN", "clamping.driving=54.2 kN"}, "fine", true},
-        {"baseline", {"joint.stiffness=1.4e9"}, "", true},
-        {"baseline", {"half.mass=3.5 g"}, "", true},
-        {"baseline", {"chain.damping_ratio=0.05"}, "", true},
-        {"baseline", {"clamping.driven=60 kN", "clamping.driving=81.3 kN"}, "", true},
-        {"baseline", {"clamping.driven=80 kN", "clamping.driving=108.4 kN"}, "", true},
-        {"baseline", {"joint.law=palmgren", "clamping.driven=50 kN", "clamping.driving=67.75 kN"}, "", true},
-        {"baseline", {"pulley.sheave_mass=0.3 kg"}, "", true},
-        {"baseline", {"pulley.cylinder_damping=1.4e6"}, "", true},
-        {"baseline", {"detail.plates=lumped", "detail.joint_points=2", "detail.pulleys=rigid", "start.state="}, "", true},
+        {"control", {}},
+        {"shift", {}},
+        {"load_ramp", {}},
+        {"baseline", {"clamping.driven=30 kN", "clamping.driving=40.65 kN"}, "fine"},
+        {"baseline", {"clamping.driven=40 kN", "clamping.driving=54.2 kN"}, "fine"},
+        {"baseline", {"joint.stiffness=1.4e9"}},
+        {"baseline", {"half.mass=3.5 g"}},
+        {"baseline", {"chain.damping_ratio=0.05"}},
+        {"baseline", {"clamping.driven=60 kN", "clamping.driving=81.3 kN"}},
+        {"baseline", {"clamping.driven=80 kN", "clamping.driving=108.4 kN"}},
+        {"baseline", {"joint.law=palmgren", "clamping.driven=50 kN", "clamping.driving=67.75 kN"}},
+        {"baseline", {"pulley.sheave_mass=0.3 kg"}},
+        {"baseline", {"pulley.cylinder_damping=1.4e6"}},
+        {"baseline", {"detail.plates=lumped", "detail.joint_points=2", "detail.pulleys=rigid", "start.state="}},
     };
     return all;
 }
@@ -60,25 +58,21 @@ RunReport run_row(const Row& row, const std::string& step) {
         scene.state_file.clear();
     }
     set_values(scene, row.settings);
-    set_values(scene,
-               std::vector<std::string>{"run.method=leapfrog-chebyshev", "run.step=" + step, "run.until=20 ms", "run.schedule=serial"});
+    set_values(scene, std::vector<std::string>{"run.step=" + step, "run.until=20 ms", "run.schedule=serial"});
     return run_scene(scene, {});
 }
 
 std::string name_of(const Row& row) { return row.scene + " " + row.detail + (row.settings.empty() ? "" : " " + row.settings.back()); }
 
 void check(const Row& row) {
-    const RunReport automatic = run_row(row, "auto"), exact = run_row(row, "0.5 us"), hasty = run_row(row, "2 us");
+    const RunReport automatic = run_row(row, "auto"), exact = run_row(row, "0.5 us"), hasty = run_row(row, "4 us");
     EXPECT_EQ(automatic.status(), "finished") << name_of(row) << ": balance error ratio " << automatic.balance_error_ratio;
     EXPECT_EQ(exact.status(), "finished") << name_of(row) << ": balance error ratio " << exact.balance_error_ratio;
     EXPECT_NEAR(automatic.whole.slip, exact.whole.slip, 0.01 * exact.whole.slip) << name_of(row);
     EXPECT_NEAR(automatic.whole.efficiency, exact.whole.efficiency, 5e-4) << name_of(row);  // a percent of losses of some per cent
     const bool right = std::abs(hasty.whole.slip - exact.whole.slip) <= 0.01 * exact.whole.slip &&
                        std::abs(hasty.whole.efficiency - exact.whole.efficiency) <= 5e-4;
-    EXPECT_TRUE(right || hasty.status() != "finished") << name_of(row) << ": 2 us ends as " << hasty.status();
-    if (!right) {
-        EXPECT_TRUE(row.wrong_at_2us) << name_of(row) << ": the row is out of date";
-    }
+    EXPECT_TRUE(right || hasty.status() != "finished") << name_of(row) << ": 4 us ends as " << hasty.status();
 }
 
 /// A machine; deep: also a shipped scene and a level of detail.
@@ -93,8 +87,7 @@ TEST(NightlyReliability, OfEverySettingThatWasOncePrintedWrong) {
 /// Machines whose chain is another one than the ready state's: each was called finished with the slip of a chain that snaps into place.
 void expect_settled_anew(const std::vector<std::string>& settings) {
     Scene scene = claims::ready_scene("baseline", settings);
-    set_values(scene, std::vector<std::string>{"run.method=leapfrog-chebyshev", "run.until=12 ms", "run.schedule=serial",
-                                               "start.settling_time=20 ms"});
+    set_values(scene, std::vector<std::string>{"run.until=12 ms", "run.schedule=serial", "start.settling_time=20 ms"});
     const RunReport ready = run_scene(scene, {});
     scene.state_file.clear();
     const RunReport settled_alone = run_scene(scene, {});
@@ -129,15 +122,6 @@ TEST(Reliability, OfInputsThatJump) {
     }
 }
 
-/// Friction in stages answers a reversed load with losses that scatter by 2 % from step to step (1.1 to 1.5 us): those that are off are
-/// said.
-TEST(Reliability, OfLossesThatAreOffAfterAJumpIsNone) {
-    const double right = run_with_jump(reversal, {"run.step=1 us"}).energy.loss;
-    const RunReport report = run_with_jump(reversal, {"run.method=leapfrog-chebyshev", "run.step=1.25 us"});
-    EXPECT_GT(std::abs(report.energy.loss / right - 1.0), 0.01);
-    EXPECT_EQ(report.status(), "unreliable");
-}
-
 /// RK4 at 50 ns was the published reference; its joints chatter. At its automatic step the balance closes to 1e-5.
 TEST(Reliability, OfThePublishedStepIsNone) {
     Scene scene = claims::ready_scene("baseline", {"run.method=rk4", "run.step=54 ns", "run.schedule=serial",
@@ -155,7 +139,7 @@ struct Promise {
 };
 
 /// Promise for pin halves (README).
-const Promise halves{{"run.method=leapfrog-chebyshev", "run.step=714.2857 ns"}, 2e-3, 5e-5, 1e-3};
+const Promise halves{{"run.method=dumka3-p5", "run.step=1 us"}, 2e-3, 5e-5, 1e-3};
 /// Promise for rigid pins, against half of their step of first order: 6.25 us add up to 2.2 % to slip, half of it is left between both.
 const Promise rigid{{"run.method=leapfrog-rigid", "run.step=3.125 us"}, 1.1e-2, 2e-4, 1e-3};
 

@@ -103,8 +103,8 @@ OF_THE_LABORATORY = (
     ("spectrum tiny --state gone.h5", 2, '--state gone.h5: no file "gone.h5"'),
     ("spectrum tiny --method rk5", 2, f"--method rk5: {RK5}"),
     ("dot tiny --cycle x", 2, "--cycle x: a step of rk4 has evaluate, detect, locate, truncate"),
-    ("dot tiny --method leapfrog-rkc --cycle x", 2,
-     "--cycle x: a step of leapfrog-rkc has evaluate, detect, locate, truncate, record, friction, finish"),
+    ("dot tiny --method leapfrog-sweep --cycle x", 2,
+     "--cycle x: a step of leapfrog-sweep has evaluate, detect, locate, truncate, record, friction"),
     ("stability dumka3", 2, "dumka3 is no table of stages: cvtflow check states its limit on a scene"),
     ("stability rk5", 2, RK5),
     ("local-error tiny --settle --methods rk4,heum", 2, "no method 'heum' (did you mean 'heun'?)"),
@@ -346,9 +346,9 @@ class Check(Program):
                  "rigid (lumped plates, rigid pins, elastic pulleys)")
 
     def test_reports_up_to_where_a_settled_scene_is_stable(self):
-        self.matches(self.out("check control --method leapfrog-chebyshev --step '2 us'"),
-                     r"\n  stable to +1\.[5-9][0-9]* us \(oscillation of .* kHz\); run.step exceeds this limit\n")
-        for step in ("1.8 us", "auto"):
+        self.matches(self.out("check control --step '4 us'"),
+                     r"\n  stable to +3\.[0-9]* us \(oscillation of .* kHz\); run.step exceeds this limit\n")
+        for step in ("2.8 us", "auto"):
             self.lacks(self.out(f"check control --step '{step}'"), " exceeds this limit")
         if LAB.exists():
             self.matches(self.out("cvtflow-lab check control --method trapezoidal-once"), "\n  stable to +linear stability sets no limit\n")
@@ -357,7 +357,7 @@ class Check(Program):
         """Tips brake the spin of sheaves by impulses that a leapfrog takes from the step's start; damping of tips is explicit as well.
         Neither is in the test equation that automatic steps come from, both are in the linearised step."""
         for setting in ("pulley.sheave_polar_inertia=1.5e-4", "tip.reference_depth=1e-7"):
-            self.has(self.err(f"run baseline --method leapfrog-chebyshev --set {setting} --until '2 ms' -q -o none", 6),
+            self.has(self.err(f"run baseline --set {setting} --until '2 ms' -q -o none", 6),
                      'run.step = "auto" is too long here; use ')
 
 

@@ -159,7 +159,7 @@ class Batch(Program):
         self.batch()
 
     def test_a_dry_run_reports_why_no_case_could_be_tried(self):
-        write_sweep("12", set='run.method = "leapfrog-chebyshev"\ndetail.pins = "rigid"\n')
+        write_sweep("12", set='run.method = "leapfrog-sweep"\ndetail.pins = "rigid"\n')
         self.has(self.batch("--dry-run", 5).out, "estimate            none: every case has inconsistent parameters")
 
     def test_cases_for_which_the_scenes_state_does_not_fit_settle_as_runs_do(self):

@@ -24,7 +24,7 @@ struct TuneOptions {
 
 struct Tuning {
     Scene scene;         ///< scene with the choice, from the start of the given one
-    std::string choice;  ///< choice in words: "fine, leapfrog-chebyshev, automatic step"
+    std::string choice;  ///< choice in words: "fine, leapfrog-sweep, automatic step"
     double error = 0.0;  ///< largest measured error
     bool kept = false;   ///< taken from the cache, not measured now
 };

@@ -16,7 +16,7 @@ namespace cvtflow::bench {
 /// A time above 0 with or without its unit [s]. @throws tasks::SceneError that begins with the option
 [[nodiscard]] double read_time(const std::string& option, const std::string& text);
 
-/// "dumka3-p5@2us", "leapfrog-rkc@auto", "dopri54@1us~1e-3" (a tolerance) as settings of a scene. @throws tasks::SceneError
+/// "dumka3-p5@2us", "leapfrog-sweep@auto", "dopri54@1us~1e-3" (a tolerance) as settings of a scene. @throws tasks::SceneError
 [[nodiscard]] std::vector<std::string> read_choice(const std::string& choice);
 
 /// Lines with everything that is derived from the table: stages, order, stability, growth and gain, error estimate.

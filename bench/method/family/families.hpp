@@ -46,7 +46,4 @@ inline constexpr double max_rkc_damping = 100.0;   ///< [1]
 /// Length of its real interval. damping [1]
 [[nodiscard]] double rkc_reach(int stages, double damping);
 
-/// The plan without a last stage that only evaluates the result, for uses that need neither that slope nor an error estimate.
-[[nodiscard]] StagePlan without_last_evaluation(const StagePlan& plan);
-
 }  // namespace cvtflow::bench

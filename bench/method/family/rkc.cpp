@@ -134,15 +134,4 @@ double rkc_reach(int stages, double damping) {
     return (w0 + 1.0) * t.second.back() / t.first.back();
 }
 
-StagePlan without_last_evaluation(const StagePlan& plan) {
-    const Stage& last = plan.stages.back();
-    const bool is_result = plan.result.slopes.empty() && plan.result.states.size() == 1 && plan.result.states[0] == Term{last.keep, 1.0};
-    if (!is_result || plan.stages.size() < 2) return plan;
-    StagePlan shorter = plan;
-    shorter.result = {last.states, last.slopes};
-    shorter.error.reset();
-    shorter.stages.pop_back();
-    return shorter;
-}
-
 }  // namespace cvtflow::bench

@@ -19,7 +19,7 @@ using namespace tasks;
 
 namespace {
 
-const char* const methods[] = {"rk4", "dopri54", "dumka3-p3", "leapfrog-chebyshev"};
+const char* const methods[] = {"rk4", "dopri54", "dumka3-p3", "leapfrog-sweep"};
 constexpr double usual_step = 5e-8;   ///< [s]
 constexpr double wall_limit = 120.0;  ///< [s]
 /// Largest relative error of the energy balance, and ten times less strict of the state against half the step: the start may put all energy

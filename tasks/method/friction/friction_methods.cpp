@@ -1,6 +1,5 @@
 #include "tasks/method/method.hpp"
 
-#include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/friction/rigid_leapfrog.hpp"
 #include "tasks/method/friction/sweep_leapfrog.hpp"
 
@@ -10,28 +9,13 @@ namespace {
 
 constexpr const char* ours = "this project (tasks/method/friction)";
 
-/// Reach of a leapfrog without friction: h ω < 2; damping acts at the velocity v + (v - v before)/2 in the middle, as by Adams and
-/// Bashforth, and -1 is an eigenvalue at h δ = 1.
-constexpr double frictionless_reach = 2.0000000000002398, damping_reach = 1.0;
+/// Reach of a leapfrog, which implicit friction leaves as it is: h ω < 2; damping acts at the velocity v + (v - v before)/2 in the middle,
+/// as by Adams and Bashforth, and -1 is an eigenvalue at h δ = 1.
+constexpr double leapfrog_reach = 2.0000000000002398, damping_reach = 1.0;
 
 /// Longest step [s]: 35 in 100 us. Over 20 ms of every ready scene slip is right to 0.2 % and the energy balance to 1e-3 of the losses
 /// (decision 109); 2.9 us are within the margin of stability there.
 constexpr double longest_swept_step = 2.858e-6;
-
-/// Friction by explicit stages on velocities alone.
-[[nodiscard]] MethodProgram staged_friction() {
-    return {.name = "leapfrog-chebyshev",
-            .description = "leapfrog, friction in first-order stages on velocities inside the step, which damp stiff components fully",
-            .source = ours,
-            .order = 1,
-            .evaluations = 1,
-            .state_slots = LeapfrogFrame::state_slots,
-            .slope_slots = LeapfrogFrame::slope_slots,
-            .make = [](Workspace& workspace) { return std::make_unique<FrictionLeapfrog>(workspace, chebyshev_kick); },
-            .reach = {1.4144296926475168, 140884.96688539424, MethodReach::unlimited, frictionless_reach, damping_reach},
-            .revision = 2,
-            .missing = missing_contact_fields};
-}
 
 /// Friction by sweeps over its contacts, which come close to backward Euler.
 [[nodiscard]] MethodProgram swept_friction() {
@@ -44,7 +28,7 @@ constexpr double longest_swept_step = 2.858e-6;
             .slope_slots = SweepLeapfrog::slope_slots,
             .make = [](Workspace& workspace) { return std::make_unique<SweepLeapfrog>(workspace); },
             .solves = "one per contact and sweep, for friction",
-            .reach = {frictionless_reach, MethodReach::unlimited, MethodReach::unlimited, frictionless_reach, damping_reach},
+            .reach = {leapfrog_reach, MethodReach::unlimited, MethodReach::unlimited, damping_reach},
             .longest_step = longest_swept_step,
             .holds_links = true,
             .revision = 5,
@@ -55,9 +39,9 @@ constexpr double longest_swept_step = 2.858e-6;
     return parameters.detail.pins == model::PinDetail::rigid ? "" : "detail.pins = \"rigid\"";
 }
 
-/// Longest step of rigid pins, where strands are off by 0.5 % and slip by 1.5 % at most (docs/accuracy.md). 11.5 us are stable at `baseline`,
-/// but with 8.33 us the energy balance of four of forty machines exceeds its tolerance (decision 110). The step is shorter where friction
-/// falls and where the chain is fast (auto_step.cpp) [s].
+/// Longest step of rigid pins, where strands are off by 0.5 % and slip by 1.5 % at most (docs/accuracy.md). 11.5 us are stable at
+/// `baseline`, but with 8.33 us the energy balance of four of forty machines exceeds its tolerance (decision 110). The step is shorter
+/// where friction falls and where the chain is fast (auto_step.cpp) [s].
 constexpr double longest_rigid_step = 7.5e-6;
 
 /// Dampers of rigid pins take the velocity before the step: -1 is an eigenvalue at h δ = 2.
@@ -74,7 +58,7 @@ constexpr double rigid_damping_reach = 2.0;
             .slope_slots = RigidLeapfrog::slope_slots,
             .make = [](Workspace& workspace) { return std::make_unique<RigidLeapfrog>(workspace); },
             .solves = "one per contact, and one around the chain, for friction",
-            .reach = {frictionless_reach, MethodReach::unlimited, MethodReach::unlimited, frictionless_reach, rigid_damping_reach},
+            .reach = {leapfrog_reach, MethodReach::unlimited, MethodReach::unlimited, rigid_damping_reach},
             .longest_step = longest_rigid_step,
             .wave_filter = model::wave_filter,
             .revision = 4,
@@ -83,6 +67,6 @@ constexpr double rigid_damping_reach = 2.0;
 
 }  // namespace
 
-std::vector<MethodProgram> friction_methods() { return {staged_friction(), swept_friction(), rigid_friction()}; }
+std::vector<MethodProgram> friction_methods() { return {swept_friction(), rigid_friction()}; }
 
 }  // namespace cvtflow::tasks

@@ -97,7 +97,7 @@ void SegmentFields::make_room() {
     for (SegmentEdges& edges : edges_) edges.make_room(segments);
 }
 
-/// Keeps all fields that outlast a step: a step that was cut is yet to be taken again.
+/// Keeps all fields that outlast a step.
 void SegmentFields::repartition(const Partition& partition) {
     float* room = moving_.data();
     for (const std::size_t field : outlasting_) for_numbers(*this, field, [&](float& number) { *room++ = number; });
@@ -149,7 +149,7 @@ std::string_view missing_contact_fields(const model::Parameters& parameters) noe
 }
 
 KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges)
-    : friction(model::make_friction(w.variator.chain(), w.parameters.detail.stick_slip)),
+    : friction(model::make_friction(w.variator.chain())),
       fields(w, friction, std::move(rows), std::move(outlasting), std::move(edges)),
       normal_loads_(at(w.layout().links)) {}
 
@@ -178,7 +178,7 @@ model::FrictionRange KickSystem::range_of(const Workspace& w, double time, const
             fields.columns().shift(segment)};
 }
 
-bool KickSystem::finish(Workspace& w, int segment, bool with_secants) const noexcept {
+bool KickSystem::finish(Workspace& w, int segment) const noexcept {
     add_loads(w, segment);
     const model::ChainLayout& layout = w.layout();
     const Segment& bounds = w.partition[segment];
@@ -190,7 +190,7 @@ bool KickSystem::finish(Workspace& w, int segment, bool with_secants) const noex
                                    .counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block(),
                                    .start = w.states[0] + begin,
                                    .end = w.end_state + begin,
-                                   .secants = with_secants ? w.end_slope + begin : nullptr,
+                                   .secants = w.end_slope + begin,
                                    .step = w.step.h,
                                    .limit = fastest_pin},
                                   bounds.size());

@@ -169,9 +169,9 @@ public:
     /// A segment's links with velocities of columns like its fields'. time [s]
     [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const model::FloatColumns& velocity,
                                                 int segment) noexcept;
-    /// Body of a task: loads of a segment's links; their state at the step's end by the resulting velocities, and its secants if requested.
+    /// Body of a task: loads of a segment's links; their state at the step's end by the resulting velocities, and its secants.
     /// @return whether that state is sound
-    bool finish(Workspace& workspace, int segment, bool with_secants) const noexcept;
+    bool finish(Workspace& workspace, int segment) const noexcept;
     [[nodiscard]] std::size_t bytes() const noexcept {
         return sizeof(*this) + normal_loads_.size() * sizeof(model::LinkLoad) + fields.bytes();
     }

@@ -33,7 +33,6 @@ template <class Motion>
 
 void LeapfrogFrame::restart() noexcept {
     continues_ = false;
-    begun_ = -1e300;
     length_ = 0.0;
 }
 
@@ -52,17 +51,14 @@ void LeapfrogFrame::extrapolate() {
     std::copy_n(w_.states[0] + at.pulley_begin() + at.pulley_size, at.pulley_size, w_.slopes[1] + at.pulley_begin());
 }
 
-void LeapfrogFrame::begin_new_step() {
+void LeapfrogFrame::begin() {
     extrapolate();
     std::copy(std::begin(w_.pulleys.sheaves), std::end(w_.pulleys.sheaves), sheaves_before_);
-    length_before_ = continues_ ? length_ : 0.0;
-    begun_ = w_.step.time;
-    continues_ = true;
-}
-
-void LeapfrogFrame::begin() {
+    const double length_before = continues_ ? length_ : 0.0;
     length_ = w_.step.h;
-    force_change_ratio_ = length_before_ > 0.0 ? 2.0 * length_ / (length_ + length_before_) : 0.0;
+    continues_ = true;
+    // Change of a velocity over the step, in units of the difference between its last two values; 0 without a step before.
+    const double change_ratio = length_before > 0.0 ? 2.0 * length_ / (length_ + length_before) : 0.0;
     static constexpr engine::Term from{0, 1.0}, along{1, 0.5};
     w_.step.evaluate_end = false;
     w_.step.row = {{&from, 1}, {&along, 1}, -1, 2, 0.5};
@@ -73,7 +69,7 @@ void LeapfrogFrame::begin() {
     drift_.step = w_.step.h;
     for (std::size_t sheave = 0; sheave < 4; ++sheave) {
         const auto now = velocities_of(w_.pulleys.sheaves[sheave]), before = velocities_of(sheaves_before_[sheave]);
-        for (std::size_t k = 0; k < 6; ++k) drift_.change[sheave][k] = force_change_ratio_ * (*now[k] - *before[k]);
+        for (std::size_t k = 0; k < 6; ++k) drift_.change[sheave][k] = change_ratio * (*now[k] - *before[k]);
     }
 }
 
@@ -99,7 +95,6 @@ std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
     const auto saved = pop_front(memory, 2);
     continues_ = saved[0] != 0.0;
     length_ = saved[1];
-    begun_ = -1e300;
     for (model::SheaveMotion& s : w_.pulleys.sheaves)
         for (double* velocity : velocities_of(s)) *velocity = pop_front(memory, 1)[0];
     std::ranges::copy(pop_front(memory, static_cast<std::size_t>(w_.layout().size())), w_.end_slope);

@@ -1,5 +1,5 @@
 #pragma once
-/// The part of the step outside friction, which leapfrogs with friction inside the step share.
+/// The part of the leapfrog of pin halves outside friction.
 ///
 ///     q ← q + h/2 v;   velocities extrapolated to the middle, where contacts and all other forces are taken;   …;   q ← q + h/2 v
 ///
@@ -26,20 +26,14 @@ public:
 
     /// Forgets the previous step.
     void restart() noexcept;
-    /// False if the step that begins repeats the last one with a shorter length.
-    [[nodiscard]] bool is_new() const noexcept { return w_.step.time != begun_ || !continues_; }
     /// Whether there is a step before the one that begins.
     [[nodiscard]] bool continues() const noexcept { return continues_; }
-    /// Called for a new step, before begin(): data of the step before become history.
-    void begin_new_step();
-    /// workspace.step.row for the middle of the step, and the sheaves there.
+    /// Data of the step before become history; workspace.step.row for the middle of the step, and the sheaves there.
     void begin();
     /// Pulleys, from what the chain does to them; workspace.step.row for the result, whose links are in state slot 1.
     void end(const model::SheaveForces& chain);
 
     [[nodiscard]] const model::ContactDrift& drift() const noexcept { return drift_; }
-    /// Change of a force over the step, in units of the difference between its last two values; 0 without a step before.
-    [[nodiscard]] double force_change_ratio() const noexcept { return force_change_ratio_; }
 
     void save(std::vector<double>& memory) const;
     /// @param memory from save()   @return the rest of the memory
@@ -49,11 +43,8 @@ private:
     void extrapolate();
 
     Workspace& w_;
-    bool continues_ = false;           ///< whether a step precedes the present one
-    double begun_ = -1e300;            ///< begin of the present step [s]
-    double length_ = 0.0;              ///< length of the present step [s]
-    double length_before_ = 0.0;       ///< length of the previous step; 0: none [s]
-    double force_change_ratio_ = 0.0;  ///< [1]
+    bool continues_ = false;  ///< whether a step precedes the present one
+    double length_ = 0.0;     ///< length of the present step [s]
     alignas(model::cache_line) model::ContactDrift drift_;
     model::SheaveMotion sheaves_before_[4]{};
 };

@@ -62,11 +62,12 @@ std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcep
     if (const std::string_view missing = missing_contact_fields(parameters); !missing.empty()) return missing;
     // The record evaluates tips within 0.5 mm of sheaves that turn about their shaft's axis.
     if (parameters.imperfection.runout * std::sin(parameters.tip.angle) > 3e-4) return "imperfection.runout * sin(tip.angle) <= 0.3 mm";
+    if (parameters.detail.stick_slip) return "detail.stick_slip = false";
     return parameters.detail.friction == model::FrictionLaw::piecewise ? "" : "detail.friction = \"piecewise\"";
 }
 
 bool sweeps_suit(const model::Parameters& parameters) {
-    return missing_for_sweeps(parameters).empty() && !parameters.detail.stick_slip && needed_sweeps(parameters) <= max_sweeps;
+    return missing_for_sweeps(parameters).empty() && needed_sweeps(parameters) <= max_sweeps;
 }
 
 std::vector<int> SweepSystem::rows_of_fields(const Workspace& w) {
@@ -108,6 +109,7 @@ void SweepSystem::restart() noexcept {
 }
 
 void SweepSystem::begin(double step, double nominal) noexcept {
+    now_ = 1 - now_;
     kick_.friction.hold(static_cast<float>(nominal));
     follows_ = std::exchange(handed_over_, false);
     step_before_ = responses_.of_step;
@@ -239,7 +241,7 @@ SweepLeapfrog::SweepLeapfrog(Workspace& workspace)
 void SweepLeapfrog::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s)
         graph.add({"record[" + std::to_string(s) + "]", record_sweep_cycle, engine::code_of<&SweepLeapfrog::record>(*this), s,
-                   record_accesses(w_, s).inside(Field::phase, decides_phases()).segment(Field::result, true).list()});
+                   record_accesses(w_, s).inside(Field::phase, true).segment(Field::result, true).list()});
     sweep_cycles.add_tasks(graph, w_, "pass", engine::code_of<&SweepLeapfrog::sweep>(*this), [](LinkAccesses& accesses) {
         accesses.inside(Field::force, true)
             .inside(Field::mean_tip_force, true)
@@ -264,7 +266,7 @@ void SweepLeapfrog::restart() noexcept {
     frame_.restart();
     system_.restart();
     cold_ = true;
-    nominal_ = begun_length_ = 0.0;
+    nominal_ = length_ = 0.0;
 }
 
 CycleSequence SweepLeapfrog::step() {
@@ -275,29 +277,23 @@ CycleSequence SweepLeapfrog::step() {
     co_return finish();                               // the pulleys by the forces of the tips; soundness of the state
 }
 
-/// A new step, or the last one again, shorter.
 void SweepLeapfrog::begin() {
-    if (frame_.is_new()) {
-        cold_ = !frame_.continues();
-        if (w_.step.h > nominal_ || std::abs(w_.step.h - begun_length_) < same_length * begun_length_) nominal_ = w_.step.h;
-        begun_length_ = w_.step.h;
-        frame_.begin_new_step();
-        system_.begin_new_step();
-    }
+    cold_ = !frame_.continues();
+    if (w_.step.h > nominal_ || std::abs(w_.step.h - length_) < same_length * length_) nominal_ = w_.step.h;
+    length_ = w_.step.h;
     frame_.begin();
     system_.begin(w_.step.h, nominal_);
-    w_.step.end_state_ready = true;
     passes_ = Rounds(sweep_cycles, 1 + (cold_ ? first_sweeps : sweeps_));
 }
 
 Fault SweepLeapfrog::finish() {
     frame_.end(sheave_forces(w_));
-    system_.end(decides_phases());
-    return decides_phases() ? close_step(w_) : Fault{};
+    system_.end();
+    return close_step(w_);
 }
 
 void SweepLeapfrog::save(std::vector<double>& memory) const {
-    memory.assign({nominal_, begun_length_});
+    memory.assign({nominal_, length_});
     frame_.save(memory);
     system_.save(memory);
 }
@@ -306,22 +302,21 @@ void SweepLeapfrog::load(std::span<const double> memory) {
     if (memory.empty()) return;
     const auto lengths = pop_front(memory, 2);
     nominal_ = lengths[0];
-    begun_length_ = lengths[1];
+    length_ = lengths[1];
     system_.load(frame_.load(memory));
 }
 
 void SweepLeapfrog::record(int segment) noexcept {
     const model::Pulley& pulley = w_.parameters.pulley;
     model::TipSearch search{w_.tips.phases.data(), w_.rule.release, w_.parameters.tip.deepest, pulley.innermost, pulley.outermost};
-    const bool searches = decides_phases() && w_.layout().pulley_size != 0;
     const Segment& links = w_.partition[segment];
     const model::Phase* phases = w_.tips.phases.data() + model::tips_per_link * links.first;
     model::Phase* before = w_.tips.phases_before.data() + model::tips_per_link * links.first;
     const std::size_t bytes = at(model::tips_per_link * links.size());
     static_assert(sizeof(model::Phase) == 1);  // the library copies and compares enumerations one by one
-    if (decides_phases() && std::memcmp(before, phases, bytes) != 0) std::memcpy(before, phases, bytes);
-    system_.record(w_, frame_.drift(), segment, searches ? &search : nullptr);
-    w_.segment_results[at(segment)].detected = decides_phases() && std::memcmp(before, phases, bytes) != 0 ? 1 : 0;
+    if (std::memcmp(before, phases, bytes) != 0) std::memcpy(before, phases, bytes);
+    system_.record(w_, frame_.drift(), segment, w_.layout().pulley_size != 0 ? &search : nullptr);
+    w_.segment_results[at(segment)].detected = std::memcmp(before, phases, bytes) != 0 ? 1 : 0;
     w_.segment_results[at(segment)].pending = search.suspect;
 }
 
@@ -331,9 +326,7 @@ void SweepLeapfrog::sweep(int item) noexcept {
     const model::SweepPart part = pass == 0 ? model::SweepPart::opening : closing ? model::SweepPart::closing : model::SweepPart::middle;
     system_.sweep(w_, part, cold_ ? 0.0 : ahead, pass, segment);
     if (!closing) return;
-    // Where the record has found the transitions, this is what remains of a detect cycle.
-    const bool sound = system_.kick().finish(w_, segment, decides_phases());
-    if (decides_phases() && !sound) w_.segment_results[at(segment)].pending = true;
+    if (!system_.kick().finish(w_, segment)) w_.segment_results[at(segment)].pending = true;
 }
 
 void SweepLeapfrog::enter_losses(int /*item*/) noexcept { system_.enter_losses(w_); }

@@ -6,8 +6,7 @@
 ///     middle     joints, plates and tips once more, as often as the plan states
 ///     closing    joints; velocities and coordinates at the end
 ///
-/// Forces that outlast a step belong to the state of the integration: they are saved, and a step that is cut takes up those that the whole
-/// step has begun with. A first step has none: it takes `first_sweeps`.
+/// Forces that outlast a step belong to the state of the integration: they are saved. A first step has none: it takes `first_sweeps`.
 
 #include <array>
 #include <span>
@@ -21,11 +20,11 @@
 
 namespace cvtflow::tasks {
 
-/// Setting that sweeps require and parameters do not have: pin halves, twelve pins, a friction law without a rounded corner, a run-out that
-/// leaves flanks where the record of contacts expects them. Empty: none.
+/// Setting that sweeps require and parameters do not have: pin halves, twelve pins, a friction law without a rounded corner and without
+/// phases stick and slip, a run-out that leaves flanks where the record of contacts expects them. Empty: none.
 [[nodiscard]] std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept;
-/// Whether sweeps are the automatic choice: parameters have what they need, tips have no phases stick and slip (whose losses were not
-/// compared), and friction does not saturate at so low a speed that more sweeps would be needed than a step has.
+/// Whether sweeps are the automatic choice: parameters have what they need, and friction does not saturate at so low a speed that more
+/// sweeps would be needed than a step has.
 [[nodiscard]] bool sweeps_suit(const model::Parameters& parameters);
 
 /// The friction of a step as forces that implicit sweeps find (model/contact/sweep_step.hpp), by segments. Both neighbours of a border
@@ -41,14 +40,11 @@ public:
     void repartition(const Partition& partition);
     /// Sets all contact forces to zero (no previous step).
     void restart() noexcept;
-    /// Forces that outlast a step become those of the step before.
-    void begin_new_step() noexcept { now_ = 1 - now_; }
-    /// Begins a step. @param nominal its length if nothing had cut it short [s]
+    /// Begins a step: forces that outlast a step become those of the step before. @param nominal usual length of a step [s]
     void begin(double step, double nominal) noexcept;
-    /// Ends the step. @param with_secants whether tasks have made its slopes
-    void end(bool with_secants) noexcept {
+    void end() noexcept {
         losses_ = Losses::to_be_found;
-        handed_over_ = with_secants;
+        handed_over_ = true;
     }
 
     // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
@@ -109,11 +105,8 @@ public:
     [[nodiscard]] CycleSequence step() override;
     void add_tasks(engine::TaskGraph& graph) override;
     void repartitioned() override { system_.repartition(w_.partition); }
-    /// Contact begins with no force at all, so the record decides it in the middle of the step; with stick and slip the phase decides a
-    /// force.
-    [[nodiscard]] AtTransition at_transition() const noexcept override {
-        return w_.parameters.detail.stick_slip ? AtTransition::repeat : AtTransition::inside;
-    }
+    /// Contact begins with no force at all, so the record decides it in the middle of the step.
+    [[nodiscard]] AtTransition at_transition() const noexcept override { return AtTransition::inside; }
     [[nodiscard]] long observation_stride() const noexcept override { return 9; }
     void restart() noexcept override;
     void phases_changed() noexcept override {}  // forces stay good: that of a tip that has just landed is zero
@@ -130,16 +123,15 @@ public:
 private:
     void begin();
     [[nodiscard]] Fault finish();
-    [[nodiscard]] bool decides_phases() const noexcept { return at_transition() == AtTransition::inside; }
 
     Workspace& w_;
     LeapfrogFrame frame_;
     SweepSystem system_;
-    const int sweeps_;           ///< sweeps of a step
-    Rounds passes_;              ///< passes of the present step
-    double begun_length_ = 0.0;  ///< length of the last step before it was cut [s]
-    double nominal_ = 0.0;       ///< length of uncut steps: the longest, or the last as long as the one before [s]
-    bool cold_ = true;           ///< no step precedes the present one: forces begin at zero, and it takes first_sweeps
+    const int sweeps_;      ///< sweeps of a step
+    Rounds passes_;         ///< passes of the present step
+    double length_ = 0.0;   ///< length of the last step [s]
+    double nominal_ = 0.0;  ///< usual length of steps: the longest, or the last as long as the one before [s]
+    bool cold_ = true;      ///< no step precedes the present one: forces begin at zero, and it takes first_sweeps
 };
 
 }  // namespace cvtflow::tasks

@@ -206,10 +206,8 @@ void detect_segment(void* workspace, int segment) noexcept {
     const Segment& bounds = w.partition[segment];
     SegmentResult& result = w.segment_results[at(segment)];
     result = {};
-    if (!w.step.end_state_ready) {
-        engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(bounds.first),
-                        layout.link_begin(bounds.last - 1) + layout.link_block(), w.end_state + layout.link_begin(bounds.first));
-    }
+    engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(bounds.first),
+                    layout.link_begin(bounds.last - 1) + layout.link_block(), w.end_state + layout.link_begin(bounds.first));
     if (w.step.slopes_from_states()) make_secants(w, bounds);
     if (w.step.estimate_error) estimate_errors(w, bounds, w.windows[at(segment)].data());
     // States of the links beside it may not be written yet by other segments: they are combined once more.

@@ -148,8 +148,7 @@ TEST(MethodFigures, DeclaredOrdersAndReachesAreDerived) {
 
 /// Message of the product for names that it does not have.
 TEST(MethodFigures, NamesOfTheLaboratoryAreKnownToTheProduct) {
-    const std::set<std::string> product{"rk4",           "heun", "euler", "dopri54", "dumka3", "leapfrog-chebyshev", "leapfrog-sweep",
-                                        "leapfrog-rigid"};
+    const std::set<std::string> product{"rk4", "heun", "euler", "dopri54", "dumka3", "leapfrog-sweep", "leapfrog-rigid"};
     for (const std::string& name : tasks::method_names())
         EXPECT_EQ(tasks::belongs_to_laboratory(name), !product.contains(name) && !name.starts_with("dumka3-p")) << name;
 }

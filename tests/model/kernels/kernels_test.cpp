@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "model/contact/friction_operator.hpp"
-#include "model/contact/friction_stage.hpp"
+#include "model/contact/sweep_step.hpp"
 #include "model/kernels/available_isas.hpp"
 #include "model/law/phase_rule.hpp"
 #include "model/variator/variator.hpp"
@@ -117,8 +117,8 @@ Parameters without_friction(Parameters p) {
     return p;
 }
 
-/// A random state, and velocities as far from those of the state as in stages of a step. Nothing is damped, so that contacts recorded at
-/// the state's velocities are those of the others.
+/// A random state, and velocities near those of the state. Nothing is damped, so that contacts recorded at the state's velocities are those
+/// of the others.
 class FrictionRig {
 public:
     FrictionRig(const Parameters& p, std::uint64_t seed, Isa isa = chosen_isa())
@@ -127,11 +127,14 @@ public:
           variator_(parameters_, isa),
           scratch_(variator_.layout()),
           start_(random_.state),
-          friction_(make_friction(variator_.chain(), p.detail.stick_slip)),
+          friction_(make_friction(variator_.chain())),
           field_(variator_.chain()) {
         fill_window(variator_, random_.state.data(), scratch_);
         if (at().pulley_size != 0) variator_.pulleys().motions(random_.state.data() + at().pulley_begin(), scratch_.sheaves);
-        for (FloatColumns* columns : {&push_, &velocity_, &slope_}) *columns = FloatColumns(size(), at().links + 2 * at().halo());
+        for (FloatColumns* columns : {&push_, &start_velocity_, &velocity_, &result_}) *columns = FloatColumns(size(), at().links + 2);
+        const int kept = SweepRows{variator_.chain().coefficients().joint_points.count}.count();
+        for (FloatColumns* columns : {&kept_, &before_}) *columns = FloatColumns(kept, at().links + 2);
+        mean_tip_forces_ = FloatColumns(3 * tips_per_link, at().links + 2);
         for (int link = 0; link < at().links; ++link) {
             for (int row = 0; row < size(); ++row) {
                 double& v = start_[static_cast<std::size_t>(at().link_begin(link) + size() + row)];
@@ -140,34 +143,43 @@ public:
         }
     }
 
-    /// @param length of ranges
-    void evaluate(int length) {
+    /// Contacts, and all other forces. @param length of ranges
+    void record(int length) {
         for (int first = 0; first < at().links; first += length) {
-            const ContactRecord to{start_.data() + at().link_begin(first), field_, push_, velocity_};
+            const ContactRecord to{start_.data() + at().link_begin(first), field_, push_, start_velocity_};
             friction_.record(range(first, std::min(first + length, at().links)), {}, to, scratch_.loads.data() + first);
         }
-        for (int row = 0; row < size(); ++row) {
-            for (int ghost = 0; ghost < at().halo(); ++ghost) {
-                *velocity_.at(row, -ghost) = *velocity_.at(row, at().links - ghost);
-                *velocity_.at(row, at().links + 1 + ghost) = *velocity_.at(row, 1 + ghost);
+    }
+    /// Velocities at the end of a step by `sweeps` sweeps that begin with no forces. step [s]
+    void sweep(double step, int sweeps) {
+        const SweepResponses responses(friction_, step, step);
+        std::vector<float> memory(static_cast<std::size_t>(friction_.scratch_size(at().links)));
+        for (int pass = 0; pass <= sweeps; ++pass) {
+            for (FloatColumns* columns : {&start_velocity_, &velocity_}) close(*columns);
+            const SweepPart part = pass == 0 ? SweepPart::opening : pass == sweeps ? SweepPart::closing : SweepPart::middle;
+            const FrictionRange links{0, at().links, velocity_.at(0, 0), velocity_.stride(), memory.data(), random_.phases.data(), 0.0};
+            friction_.kernels().sweep(
+                friction_, field_, links,
+                {part, 0.0F, &responses, &push_, &start_velocity_, &before_, &kept_, &velocity_, &result_, &mean_tip_forces_});
+        }
+    }
+    /// Accelerations by friction that the velocities at the step's end tell, and those by the law at these velocities, in doubles.
+    [[nodiscard]] std::pair<std::vector<double>, std::vector<double>> swept_and_lawful(double step) const {
+        std::vector<double> swept, state = random_.state;
+        for (int link = 0; link < at().links; ++link) {
+            for (int row = 0; row < size(); ++row) {
+                const double begin = *start_velocity_.at(row, link + 1), end = *result_.at(row, link + 1);
+                swept.push_back((end - begin) / step - *push_.at(row, link + 1));
+                state[static_cast<std::size_t>(at().link_begin(link) + size() + row)] += end;
             }
         }
-        for (int first = 0; first < at().links; first += length) {
-            const int last = std::min(first + length, at().links);
-            std::vector<float> memory(static_cast<std::size_t>(friction_.scratch_size(last - first)));
-            friction_.slopes(field_, {first, last, velocity_.at(0, first), velocity_.stride(), memory.data(), random_.phases.data(), 0.25},
-                             {nullptr, &slope_});
-        }
+        std::vector<double> lawful = accelerations(parameters_, state), without = accelerations(without_friction(parameters_), state);
+        for (std::size_t k = 0; k < lawful.size(); ++k) lawful[k] -= without[k];
+        return {swept, lawful};
     }
 
-    [[nodiscard]] std::vector<double> slopes() const { return listed(slope_); }
     [[nodiscard]] std::vector<double> forces() const { return listed(push_); }
-    /// slopes() in doubles: the difference that friction makes in the whole right-hand side.
-    [[nodiscard]] std::vector<double> exact_slopes() const {
-        std::vector<double> with = accelerations(parameters_, start_), without = accelerations(without_friction(parameters_), start_);
-        for (std::size_t k = 0; k < with.size(); ++k) with[k] -= without[k];
-        return with;
-    }
+    [[nodiscard]] std::vector<double> velocities() const { return listed(result_); }
     [[nodiscard]] std::vector<double> exact_forces() const { return accelerations(without_friction(parameters_), random_.state); }
     [[nodiscard]] const ChainLayout& at() const { return variator_.layout(); }
 
@@ -179,6 +191,13 @@ private:
     [[nodiscard]] int size() const { return at().link_size(); }
     [[nodiscard]] ChainRange range(int first, int last) const {
         return {first, last, scratch_.window.data() + first * at().link_block(), scratch_.sheaves, random_.phases.data()};
+    }
+    /// The columns beside the links repeat the last and the first link.
+    void close(FloatColumns& columns) const {
+        for (int row = 0; row < size(); ++row) {
+            *columns.at(row, 0) = *columns.at(row, at().links);
+            *columns.at(row, at().links + 1) = *columns.at(row, 1);
+        }
     }
     [[nodiscard]] std::vector<double> accelerations(const Parameters& p, const std::vector<double>& state) const {
         const Variator variator(p);
@@ -206,7 +225,7 @@ private:
     std::vector<double> start_;
     FrictionOperator friction_;
     ContactField field_;
-    FloatColumns push_, velocity_, slope_;
+    FloatColumns push_, start_velocity_, velocity_, result_, kept_, before_, mean_tip_forces_;
 };
 
 double largest_of(const std::vector<double>& numbers) {
@@ -222,33 +241,35 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 }
 
 std::vector<oracle::Case> cases() {
-    std::vector<oracle::Case> cases;
-    for (const bool stick_slip : {false, true}) {
-        for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
-            Parameters p = oracle::small_scene();
-            p.detail.stick_slip = stick_slip;
-            p.detail.friction = law;
-            p.detail.joint_points = stick_slip ? 3 : 8;
-            cases.push_back(
-                {std::string(stick_slip ? "stick and slip, " : "") + (law == FrictionLaw::smoothed ? "smoothed" : "piecewise"), p});
-        }
-    }
-    cases.push_back({"the baseline, longer than what is computed together", Parameters{}});
-    return cases;
+    Parameters points = oracle::small_scene(), three = points;
+    points.detail.joint_points = 8;
+    three.detail.joint_points = 3;
+    return {{"eight points", points}, {"three points", three}, {"the baseline, longer than what is computed together", Parameters{}}};
 }
 
 /// A float has 6e-8 of itself; forces of the contacts of a link, some of which cancel, are added up: 2e-6 of the largest. A joint's depth δ
 /// has ρ φ²/4δ times the rounding where links meet at an angle φ: ten times as much with sixteen pins.
-TEST(FrictionKernels, GiveFrictionAndAllOtherForcesButForRounding) {
+TEST(FrictionKernels, RecordAllOtherForcesButForRounding) {
     std::uint64_t seed = 512;
     for (const oracle::Case& one : cases()) {
         FrictionRig rig(one.parameters, ++seed);
-        rig.evaluate(rig.at().links);
-        const std::vector<double> slopes = rig.exact_slopes(), forces = rig.exact_forces();
-        const double rounding = rig.at().links > 16 ? 2e-6 : 2e-5;
-        ASSERT_GT(largest_of(slopes), 0.0);
-        EXPECT_LT(largest_difference(rig.slopes(), slopes), rounding * largest_of(slopes)) << one.name;
-        EXPECT_LT(largest_difference(rig.forces(), forces), rounding * largest_of(forces)) << one.name;
+        rig.record(rig.at().links);
+        const std::vector<double> forces = rig.exact_forces();
+        EXPECT_LT(largest_difference(rig.forces(), forces), (rig.at().links > 16 ? 2e-6 : 2e-5) * largest_of(forces)) << one.name;
+    }
+}
+
+/// Sweeps that go on end at backward Euler with the law's friction.
+TEST(FrictionKernels, SweepsConvergeToTheLawsFriction) {
+    std::uint64_t seed = 512;
+    for (const oracle::Case& one : cases()) {
+        FrictionRig rig(one.parameters, ++seed);
+        constexpr double step = 1e-6;
+        rig.record(rig.at().links);
+        rig.sweep(step, 400);
+        const auto [swept, lawful] = rig.swept_and_lawful(step);
+        ASSERT_GT(largest_of(lawful), 0.0);
+        EXPECT_LT(largest_difference(swept, lawful), 1e-3 * largest_of(lawful)) << one.name;
     }
 }
 
@@ -256,17 +277,18 @@ TEST(FrictionKernels, GiveTheSameBitsForRangesOfAnyLengthAndEveryInstructionSet)
     std::uint64_t seed = 600;
     for (const oracle::Case& one : cases()) {
         FrictionRig whole(one.parameters, ++seed);
-        whole.evaluate(whole.at().links);
+        whole.record(whole.at().links);
         for (const int length : cvtflow::test::depth(std::vector{1, 5, 8}, std::vector{1, 2, 3, 5, 8, 11})) {
             FrictionRig cut(one.parameters, seed);
-            cut.evaluate(length);
-            EXPECT_EQ(cut.slopes(), whole.slopes()) << one.name << ", ranges of " << length;
+            cut.record(length);
             EXPECT_EQ(cut.forces(), whole.forces()) << one.name << ", ranges of " << length;
         }
+        whole.sweep(1e-6, 2);
         for (const Isa isa : usable_isas()) {
             FrictionRig other(one.parameters, seed, isa);
-            other.evaluate(other.at().links);
-            EXPECT_EQ(other.slopes(), whole.slopes()) << one.name << ", " << name_of(isa);
+            other.record(other.at().links);
+            other.sweep(1e-6, 2);
+            EXPECT_EQ(other.velocities(), whole.velocities()) << one.name << ", " << name_of(isa);
         }
     }
 }
@@ -279,7 +301,7 @@ std::vector<Phase> found_phases(const Variator& variator, const oracle::RandomSt
     EvaluationScratch scratch(at);
     fill_window(variator, random.state.data(), scratch);
     variator.pulleys().motions(random.state.data() + at.pulley_begin(), scratch.sheaves);
-    const FrictionOperator friction = make_friction(variator.chain(), false);
+    const FrictionOperator friction = make_friction(variator.chain());
     ContactField field(variator.chain());
     FloatColumns frictionless(at.link_size(), at.links + 2), velocity(at.link_size(), at.links + 2);
     std::vector<Phase> phases(random.phases.size(), begin);

@@ -210,7 +210,7 @@ private:
 
 /// Four pin periods of the settled baseline: means against what acts from outside, to 1 %.
 TEST(ForceChannels, OfTheBaselineAddUpToClampingTorqueAndTension) {
-    const Means run(claims::ready_scene("baseline", {"run.until=2.85 ms", "run.method=leapfrog-chebyshev"}));
+    const Means run(claims::ready_scene("baseline", {"run.until=2.85 ms", "run.method=dumka3"}));
     EXPECT_NEAR(run.torque(1), 150.0, 1.5);
     EXPECT_NEAR(run.torque(0), run.mean("shaft_1/chain_torque"), 1.5);
     EXPECT_NEAR(run.mean("contact_thrust_ratio"), 27.1 / 20.0, 0.01 * 1.355);

@@ -98,7 +98,7 @@ TEST_F(TunedScenes, OfOtherUnknownsBeginWithTheStateThatWasMeasured) {
 }
 
 TEST_F(TunedScenes, AreMeasuredAnewWhereWhatIsKeptIsDamagedOrForeign) {
-    const KeptTuning kept{{"fine", "leapfrog-chebyshev", 0.5}, 0.4e-6, 0.01};
+    const KeptTuning kept{{"fine", "leapfrog-sweep", 0.5}, 0.4e-6, 0.01};
     keep_tuning(folder_, "abc", kept);
     ASSERT_TRUE(read_tuning(folder_, "abc"));
     EXPECT_EQ(read_tuning(folder_, "abc")->step, kept.step);

@@ -21,7 +21,7 @@ protected:
     [[nodiscard]] Sweep sweep(const std::string& accuracy,
                               const std::string& axis = "key = \"load.torque\"\nvalues = [6, 8, 10, 12]") const {
         const std::string file = (folder_ / "sweep.toml").string();
-        std::ofstream(file) << "[sweep]\nscene = \"tiny\"\n[set]\nrun.until = \"1 ms\"\nrun.method = \"leapfrog-chebyshev\"\n"
+        std::ofstream(file) << "[sweep]\nscene = \"tiny\"\n[set]\nrun.until = \"1 ms\"\nrun.method = \"leapfrog-sweep\"\n"
                                "start.settling_time = \"2 ms\"\nstart.ramp_time = \"1 ms\"\n[[axes]]\n"
                             << axis << "\n[outputs]\nfrom = \"0.4 ms\"\nscalars = [\"tight_tension mean\", \"slack_tension mean\"]\n"
                             << "[start]\nmode = \"settle\"\n"
@@ -100,7 +100,7 @@ TEST_F(VerifiedSweeps, MissTheirTargetWhereMoreThanOneCaseInTwentyDoes) {
 TEST_F(VerifiedSweeps, DetectATableThatMissesItsAccuracy) {
     Sweep asked = sweep(three);
     asked.scalars.resize(1);
-    TunedSweep coarse{asked, {{"fine", "leapfrog-chebyshev"}, 0.0, 0.0}, std::nullopt};
+    TunedSweep coarse{asked, {{"fine", "leapfrog-sweep"}, 0.0, 0.0}, std::nullopt};
     coarse.sweep.accuracy.target = 0.03;  // after 2 ms of settling, references of other steps differ by 0.35 %
     Sweep strict = asked;
     strict.accuracy.target = 0.03;

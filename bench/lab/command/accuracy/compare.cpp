@@ -232,8 +232,7 @@ struct CompareArguments {
     OutputArguments output;
 };
 
-const std::vector<std::string> usual_choices{"rk4@50ns", "dumka3-p5@2us", "dumka3-p7@3us", "leapfrog-chebyshev@auto",
-                                             "leapfrog-sweep@auto"};
+const std::vector<std::string> usual_choices{"rk4@50ns", "dumka3-p5@2us", "dumka3-p7@3us", "leapfrog-sweep@auto"};
 /// All variants of Newton's method and all linearly implicit methods, at 2 us.
 std::vector<std::string> implicit_choices() {
     std::vector<std::string> choices;

@@ -11,7 +11,6 @@
 
 #include "bench/method/laboratory_methods.hpp"
 #include "engine/method/catalogue.hpp"
-#include "engine/method/compiled_plan.hpp"
 #include "tests/engine/method/plan_fixture.hpp"
 
 namespace cvtflow::bench {
@@ -143,30 +142,8 @@ std::string complaint(const std::function<void(StagePlan&)>& change) {
     return "";
 }
 
-/// Whether rows combine velocities that are kept, the slope of the stage before, and that of stage 0.
-bool is_chained(const StagePlan& plan) {
-    const CompiledPlan compiled(plan);
-    bool chained = true;
-    for (int row = 1; row <= compiled.stages(); ++row) {
-        const PlanStep next = row < compiled.stages() ? compiled.stage(row) : compiled.result();
-        chained = chained && (row == compiled.stages() || next.keep >= 0);
-        for (const Term& term : next.slopes) chained = chained && (term.slot == 0 || term.slot == compiled.stage(row - 1).slope);
-    }
-    return chained;
-}
-
 TEST(PlanCheck, EveryTableOfTheCatalogueIsSound) {
     for (const StagePlan& plan : methods()) EXPECT_NO_THROW(validate(plan)) << plan.name;
-}
-
-TEST(PlanCheck, EveryTableOfFrictionIsSoundAndChained) {
-    for (const Kick& kick : {chebyshev_kick, rkc_kick}) {
-        for (int stages = 2; stages <= 400; ++stages) {
-            const StagePlan plan = kick.plan(stages);
-            EXPECT_NO_THROW(validate(plan)) << plan.name;
-            EXPECT_TRUE(is_chained(plan)) << plan.name;
-        }
-    }
 }
 
 TEST(PlanCheck, ComplaintsNamePlanAndStage) {

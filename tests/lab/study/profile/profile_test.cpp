@@ -123,7 +123,7 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
 
 /// A run searches for its automatic step once, with a hundred evaluations or more; afterwards, from time to time, with a few more.
 TEST(Trial, SearchesForItsAutomaticStepOnceAsARunDoes) {
-    Trial trial(claims::ready_scene("baseline", {"run.method=leapfrog-chebyshev"}), Schedule{});
+    Trial trial(claims::ready_scene("baseline", {"run.method=leapfrog-sweep"}), Schedule{});
     const auto evaluations = [&] { return trial.simulation().part().step_choice()->evaluations(); };
     EXPECT_EQ(trial.run(50).steps, 50);
     const long first = evaluations();
@@ -136,7 +136,7 @@ TEST(Trial, SearchesForItsAutomaticStepOnceAsARunDoes) {
 }
 
 TEST(Trial, CountsEveryCallsStepsBeforeAStartHasSettledToo) {
-    Trial trial(claims::ready_scene("baseline", {"run.method=leapfrog-chebyshev", "start.state="}), Schedule{});
+    Trial trial(claims::ready_scene("baseline", {"run.method=leapfrog-sweep", "start.state="}), Schedule{});
     ASSERT_TRUE(trial.simulation().needs_settling());
     for (int call = 0; call < 3; ++call) EXPECT_EQ(trial.run(20).steps, 20) << call;
 }

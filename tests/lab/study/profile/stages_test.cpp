@@ -70,8 +70,8 @@ TEST(Stages, AreNamedByTheTasks) {
     EXPECT_THAT(names({scene, "rk4", {Assembly::staged}}),
                 ElementsAre("enter", "combine", "contact forces", "chain forces", "boundary pins", "Cholesky", "observe", "transition",
                             "controller", "wait", "exit"));
-    EXPECT_THAT(names({scene, "leapfrog-chebyshev", {}}), ElementsAre("enter", "all forces (fused)", "transition", "observe", "record",
-                                                                      "friction", "finish", "controller", "wait", "exit"));
+    EXPECT_THAT(names({scene, "leapfrog-sweep", {}}), ElementsAre("enter", "all forces (fused)", "transition", "observe", "record",
+                                                                  "friction", "finish", "controller", "wait", "exit"));
     EXPECT_THAT(names({scene, "trapezoidal-full", {Assembly::staged}}),
                 testing::AllOf(testing::Contains("Cholesky"), testing::Contains("jacobian"), testing::Contains("backward")));
 }

@@ -31,8 +31,7 @@ namespace {
 constexpr std::pair<const char*, const char*> choices[] = {
     {"leapfrog-sweep", "one evaluation of all forces a step, friction solved for contact by contact; pin halves, piecewise friction law"},
     {"leapfrog-rigid", "one evaluation of all forces a step, friction solved for where it acts; rigid pins, every friction law"},
-    {"leapfrog-chebyshev", "one evaluation of all forces a step, friction in stages of its own; pin halves, every friction law"},
-    {"dumka3", "explicit, steps by local error (run.step_control = \"error\"); the spectrum determines the number of stages"},
+    {"dumka3", "explicit, stages by the spectrum, steps also by local error (run.step_control = \"error\"); every friction law"},
     {"dumka3-p5", "explicit, fixed steps, 2 us at full detail: friction is not split off; a sixth of the cost of rk4"},
     {"rk4", "the reference: order 4, 45 ns or less at full detail"},
 };

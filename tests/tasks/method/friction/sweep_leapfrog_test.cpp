@@ -1,5 +1,4 @@
-/// Leapfrogs with friction inside the step, by stages and by sweeps: their limits named, the forces of sweeps part of the state; and the
-/// columns of segments.
+/// The leapfrog with friction in sweeps: its limits named, its forces part of the state; and the columns of segments.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,31 +21,21 @@ namespace {
 
 const engine::Cancellation uncancelled;
 
-/// Several stages are one cycle: eight levels, in which a segment waits for itself and for the two beside it.
-TEST(FrictionLeapfrog, StagesOfACycleWaitForNeighboursOnly) {
-    const Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-chebyshev"});
-    Workspace workspace(scene.parameters, Method("leapfrog-chebyshev").plan(), Partition::equal(84, 5));
-    const auto method = Method("leapfrog-chebyshev").make(workspace);
+/// The passes of a step are one cycle: three levels, in which a segment waits for itself and for the two beside it.
+TEST(SweepLeapfrog, PassesOfACycleWaitForNeighboursOnly) {
+    const Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-sweep"});
+    Workspace workspace(scene.parameters, Method("leapfrog-sweep").plan(), Partition::equal(84, 5));
+    const auto method = Method("leapfrog-sweep").make(workspace);
     const engine::TaskGraph graph = step_graph(workspace, {}, method.get());
-    const int cycle = graph.cycles() - 2;  // the last is the step's end
-    ASSERT_EQ(graph.levels(cycle), 8);
-    for (int level = 0; level < 8; ++level) {
+    int cycle = method_cycles;
+    while (graph.levels(cycle) != 3) ASSERT_LT(++cycle, graph.cycles());
+    for (int level = 0; level < 3; ++level) {
         ASSERT_EQ(graph.level(cycle, level).size(), 5u);
         for (const int task : graph.level(cycle, level)) {
             EXPECT_EQ(graph.task(task).stage_name(), "friction");
             EXPECT_EQ(graph.predecessor_count(task), level == 0 ? 0 : 3) << graph.task(task).name;
         }
     }
-}
-
-TEST(FrictionLeapfrog, FrictionTooStiffForItIsAFaultThatReportsIt) {
-    Simulation simulation(claims::ready_scene(
-        "baseline", {"run.method=leapfrog-chebyshev", "run.step=2us", "run.schedule=serial", "joint.saturation_speed=1e-6"}));
-    SilentObserver silent;
-    const Fault fault = simulation.advance({.until = 1e-5}, silent, uncancelled);
-    EXPECT_EQ(fault.kind, FaultKind::too_stiff);
-    EXPECT_GT(fault.value, fault.limit);
-    EXPECT_NE(fault.message().find("friction is too stiff for the step at t = "), std::string::npos) << fault.message();
 }
 
 /// The record finds transitions in the middle of a step: at its end only a tip within a micrometre of its sheave can be in another phase.
@@ -107,9 +96,11 @@ TEST(SweepLeapfrog, LeavesRunOutThatMovesFlanksFarToOtherMethods) {
     EXPECT_FALSE(sweeps_suit(parameters)) << "0.5 mm";
 }
 
-TEST(SweepLeapfrog, RefusesARoundedCornerOfTheLaw) {
+TEST(SweepLeapfrog, RefusesARoundedCornerOfTheLawAndStickAndSlip) {
     EXPECT_THAT(message_of_settings(ready_tiny(), {"run.method=leapfrog-sweep", "detail.friction=smoothed"}),
                 testing::HasSubstr("leapfrog-sweep' requires detail.friction = \"piecewise\""));
+    EXPECT_THAT(message_of_settings(ready_tiny(), {"run.method=leapfrog-sweep", "detail.stick_slip=true"}),
+                testing::HasSubstr("leapfrog-sweep' requires detail.stick_slip = false"));
 }
 
 TEST(SegmentColumns, GhostColumnsRepeatTheLinksBesideASegment) {
