@@ -86,9 +86,8 @@ PointLanes<max_joint_lanes> joint_lanes(const Parameters& p) {
 
 BendingLanes bending_lanes(const Parameters& p, double rigidity) {
     const double cube = p.half.length * p.half.length * p.half.length;
-    const double mass = p.detail.mass_scaling * p.half.mass;
-    const Spring second = damped_spring(144.0 * rigidity / cube, mass / 5.0, p.chain.damping_ratio);
-    const Spring third = damped_spring(1200.0 * rigidity / cube, mass / 7.0, p.chain.damping_ratio);
+    const Spring second = damped_spring(144.0 * rigidity / cube, p.half.mass / 5.0, p.chain.damping_ratio);
+    const Spring third = damped_spring(1200.0 * rigidity / cube, p.half.mass / 7.0, p.chain.damping_ratio);
     return {{second.stiffness, third.stiffness, second.stiffness, third.stiffness},
             {second.damping, third.damping, second.damping, third.damping}};
 }
@@ -96,7 +95,7 @@ BendingLanes bending_lanes(const Parameters& p, double rigidity) {
 LinkKind link_kind(const Parameters& p, double pitch) {
     const double length = pitch + p.half.width;
     const double stiffness = p.plate.count * p.plate.bending_stiffness / length;
-    const double tilt_inertia = p.detail.mass_scaling * 0.5 * p.half.mass / 3.0 * 0.25 * p.half.length * p.half.length;
+    const double tilt_inertia = 0.5 * p.half.mass / 3.0 * 0.25 * p.half.length * p.half.length;
     const double zeta = p.chain.damping_ratio;
     return {length, 1.0 / length, damped_spring(stiffness, tilt_inertia, zeta), damped_spring(3.0 * stiffness, tilt_inertia, zeta),
             damped_spring(p.plate.count * p.plate.torsion_stiffness, tilt_inertia, zeta)};
@@ -184,8 +183,7 @@ Coefficients::Coefficients(const Parameters& p)
       middle(0.5 * p.pulley.centre_distance),
       centre_distance(p.pulley.centre_distance),
       plate_bow(mean_bow(p)) {
-    extension = damped_spring(4.0 * p.chain.young_modulus * p.half.area / p.half.length, p.detail.mass_scaling * p.half.mass / 3.0,
-                              p.chain.damping_ratio);
+    extension = damped_spring(4.0 * p.chain.young_modulus * p.half.area / p.half.length, p.half.mass / 3.0, p.chain.damping_ratio);
     travel = bending_lanes(p, p.half.bending_travel);
     height = bending_lanes(p, p.half.bending_height);
     std::vector<double> pitches;

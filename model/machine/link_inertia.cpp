@@ -92,33 +92,6 @@ void add_plate(Matrix& matrix, const std::vector<double>& phi, double mass) {
     }
 }
 
-/// Gives motion relative to the translations of `bodies` bodies `factor` times its inertia: the first basis value of each body moves it as
-/// a whole. Rows of translations stay, and with them momentum. (model/EQUATIONS.md section 2)
-void scale_relative(Matrix& matrix, int bodies, double factor) {
-    if (factor == 1.0) return;
-    const int each = matrix.size / bodies;
-    std::vector<double> whole;
-    for (int row = 0; row < bodies; ++row)
-        for (int column = 0; column < bodies; ++column) whole.push_back(matrix(each * row, each * column));
-    const Cholesky<double> translations(whole.data(), bodies);
-    Matrix uncoupled = matrix;  // without what relative motion carries along, in the rows and columns of relative motions
-    for (int column = 0; column < matrix.size; ++column) {
-        std::array<double, 2> moved{};
-        for (int body = 0; body < bodies; ++body) moved[static_cast<std::size_t>(body)] = matrix(each * body, column);
-        translations.solve(moved.data());
-        for (int row = 0; row < matrix.size; ++row) {
-            double carried = 0.0;
-            for (int body = 0; body < bodies; ++body) carried += matrix(each * body, row) * moved[static_cast<std::size_t>(body)];
-            uncoupled(row, column) -= carried;
-        }
-    }
-    for (int row = 0; row < matrix.size; ++row) {
-        for (int column = 0; column < matrix.size; ++column)
-            if (row % each != 0 && column % each != 0)
-                matrix(row, column) += 0.5 * (factor - 1.0) * (uncoupled(row, column) + uncoupled(column, row));
-    }
-}
-
 /// Inertia of a link or a rigid pin. @param b, c blocks B and C
 [[nodiscard]] LinkInertia inertia_of(const Matrix& b, const Matrix& c) {
     LinkInertia inertia;
@@ -177,9 +150,8 @@ LinkInertia link_inertia(const Parameters& p) {
         add_plate(b, basis, mass);
         add_plate(c, {1.0, xi}, mass);
     }
-    for (Matrix* matrix : {&b, &c}) scale_relative(*matrix, bodies, p.detail.mass_scaling);
     if (layout.rigid) {  // plates move with x_0; each half has half of the mass
-        b = diagonal({b(0, 0), b(1, 1), rigid_bending_inertia * p.detail.mass_scaling * body / 5.0});
+        b = diagonal({b(0, 0), b(1, 1), rigid_bending_inertia * body / 5.0});
         c = diagonal({c(0, 0), 0.25 * c(0, 0)});
     }
     return inertia_of(b, c);

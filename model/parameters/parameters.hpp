@@ -96,7 +96,6 @@ struct Detail {
     PinDetail pins = PinDetail::halves;      ///< two halves that roll in contact; one body whose halves roll by constraint
     PlateDetail plates = PlateDetail::each;  ///< every plate, or a lumped pack with the same moments
     int joint_points = 3;                    ///< Gauss-Legendre points along the rolling line of a joint, 1…16
-    double mass_scaling = 1.0;               ///< factor on the inertia of motions that tilt or deform a pin, ≥ 1
     PulleyDetail pulleys = PulleyDetail::elastic;
     FrictionLaw friction = FrictionLaw::piecewise;
     double smoothing = 0.1;   ///< half-width d of the smoothed law, in units of v0 [1]

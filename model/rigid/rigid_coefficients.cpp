@@ -47,7 +47,7 @@ RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
     mass = 2.0 * p.half.mass + plates;
     plate_square = mean_square_position(p);
     plate_reach = std::sqrt(plate_square);
-    tilt_mass = p.detail.mass_scaling * (2.0 * p.half.mass / 3.0 + plates * plate_square);
+    tilt_mass = 2.0 * p.half.mass / 3.0 + plates * plate_square;
     slide_mass = 0.25 * mass;
     half_length = c.half_length;
     unequal = !c.longer.empty();
@@ -80,7 +80,7 @@ RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
 void RigidCoefficients::bend(const Parameters& p, double plate_bow) {
     bend_share = 1.0 - plate_bow;
     const double square = bend_share * bend_share;
-    bend_mass = rigid_bending_inertia * p.detail.mass_scaling * 2.0 * p.half.mass / 5.0 / square;
+    bend_mass = rigid_bending_inertia * 2.0 * p.half.mass / 5.0 / square;
     const auto bending = [&](double rigidity) {
         return damped_spring(288.0 * rigidity / std::pow(p.half.length, 3) / square, bend_mass, p.chain.damping_ratio);
     };

@@ -24,7 +24,7 @@ std::span<const Parameter> parameter_table() {
     {"scene.description", "", 0, 0, {}, of<&Scene::description>, "Purpose of the scene, in one or two sentences."},
 
     {"detail.level", "", 0, 0, level_choices(), of<&Scene::level>,
-     "Level of detail (cvtflow list detail): sets detail.pins, plates, joint_points, pulleys and mass_scaling. Those keys beside it "
+     "Level of detail (cvtflow list detail): sets detail.pins, plates, joint_points and pulleys. Those keys beside it "
      "take precedence, and --detail replaces all of them. \"given\": no level, these keys alone."},
     {"detail.pins", "", 0, 0, {model::pin_detail_names.begin(), model::pin_detail_names.end()}, of<&Detail::pins>,
      "Pins of two halves that roll on each other in contact; or of one body whose halves roll by constraint and slide along it, and which "
@@ -32,9 +32,6 @@ std::span<const Parameter> parameter_table() {
     {"detail.plates", "", 0, 0, {"each", "lumped"}, of<&Detail::plates>,
      "Every plate separately, or one or two equivalent plates per link with the same stiffness, mass and moments."},
     {"detail.joint_points", "1", 1, 16, {}, of<&Detail::joint_points>, "Gauss-Legendre points along the rolling line of a joint."},
-    {"detail.mass_scaling", "1", 1, 1000, {}, of<&Detail::mass_scaling>,
-     "Factor on the inertia of motions that tilt or deform a pin. Above 1 they are slower, so longer steps are stable; weight, momentum "
-     "and statics are unchanged."},
     {"detail.pulleys", "", 0, 0, {"elastic", "rigid", "absent"}, of<&Detail::pulleys>,
      "Elastic shafts and sheaves, rigid ones, or none (a free ring)."},
     {"detail.friction", "", 0, 0, {model::friction_law_names.begin(), model::friction_law_names.end()}, of<&Detail::friction>,

@@ -295,18 +295,16 @@ std::span<const DetailPreset> detail_presets() noexcept {
     using model::PulleyDetail;
     static constexpr std::array presets{
         DetailPreset{"rigid", "pins of one body, whose halves slide along it and bend in one shape, lumped plates", rigid,
-                     PlateDetail::lumped, 1, PulleyDetail::elastic, 1.0, 0.06, 0.006, 0.033},
-        DetailPreset{"fine", "bending halves, every plate, elastic pulleys", halves, PlateDetail::each, 3, PulleyDetail::elastic, 1.0, 1.0,
+                     PlateDetail::lumped, 1, PulleyDetail::elastic, 0.06, 0.006, 0.033},
+        DetailPreset{"fine", "bending halves, every plate, elastic pulleys", halves, PlateDetail::each, 3, PulleyDetail::elastic, 1.0,
                      0.0031, 0.0053},
-        DetailPreset{"full", "fine, with eight points per joint", halves, PlateDetail::each, 8, PulleyDetail::elastic, 1.0, 1.2, 2.1e-5,
-                     1.6e-4},
+        DetailPreset{"full", "fine, with eight points per joint", halves, PlateDetail::each, 8, PulleyDetail::elastic, 1.2, 2.1e-5, 1.6e-4},
     };
     return presets;
 }
 
 std::span<const std::string_view> dial_keys() noexcept {
-    static constexpr std::array<std::string_view, 5> keys{"detail.pins", "detail.plates", "detail.joint_points", "detail.pulleys",
-                                                          "detail.mass_scaling"};
+    static constexpr std::array<std::string_view, 4> keys{"detail.pins", "detail.plates", "detail.joint_points", "detail.pulleys"};
     return keys;
 }
 
@@ -319,8 +317,7 @@ std::string_view level_of(const Scene& scene) noexcept {
     const model::Detail& detail = scene.parameters.detail;
     for (const DetailPreset& preset : detail_presets()) {
         const bool pulleys = preset.pulleys == detail.pulleys || detail.pulleys == model::PulleyDetail::absent;
-        if (preset.pins == detail.pins && preset.plates == detail.plates && preset.joint_points == detail.joint_points &&
-            preset.mass_scaling == detail.mass_scaling && pulleys)
+        if (preset.pins == detail.pins && preset.plates == detail.plates && preset.joint_points == detail.joint_points && pulleys)
             return preset.name;
     }
     return {};
@@ -338,7 +335,6 @@ void apply_detail(Scene& scene, std::string_view preset) {
     detail.pins = chosen->pins;
     detail.plates = chosen->plates;
     detail.joint_points = chosen->joint_points;
-    detail.mass_scaling = chosen->mass_scaling;
     if (detail.pulleys != model::PulleyDetail::absent) detail.pulleys = chosen->pulleys;
 }
 

@@ -154,7 +154,6 @@ struct DetailPreset {
     model::PlateDetail plates;
     int joint_points;
     model::PulleyDetail pulleys;
-    double mass_scaling;   ///< [1]
     double cost;           ///< processor time of a simulated second over that of "fine", each with its automatic step [1]
     double tension_error;  ///< error of the strands' tensions, the larger one, against the finest level at a quarter of its step [1]
     double slip_error;     ///< error of the slip, likewise [1]

@@ -145,20 +145,6 @@ TEST(EveryMethod, KeepsTheMomentumOfAFreeChain) {
     }
 }
 
-TEST(MassScaling, KeepsTheMomentumOfRotationOfAFreeChain) {
-    model::Parameters p = free_ring(12, 600.0);
-    const auto spin = [&p](const Rig& rig) { return ChainView(p, rig.state()).angular_momentum(); };
-    const double parallel_spin = spin(Rig(p));
-    p.detail.mass_scaling = 10.0;
-    Rig rig(p);
-    EXPECT_EQ(spin(rig), parallel_spin);  // pins start parallel to the axis
-    jolt(rig.variator().layout(), rig.mutable_state());
-    const double before = spin(rig);
-    ASSERT_FALSE(rig.run({0.0, 1e-6, 1e-8, 1e-7}));
-    // A product of coordinates and speeds is kept to the method's order: (1e6 1/s · 1e-8 s)^5 in each of 100 steps.
-    EXPECT_NEAR(spin(rig), before, 1e-8 * std::abs(before));
-}
-
 // Claim: on smooth motions of the variator the classical Runge-Kutta method converges with its order, 4.
 
 std::vector<double> solution(const Smooth& scene, double step) {

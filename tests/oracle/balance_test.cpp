@@ -143,7 +143,7 @@ struct Instant {
     double t = 0.0;
 };
 
-/// Both chains at every detail, also with damping so heavy that contacts let go, and with mass scaling.
+/// Both chains at every detail, also with damping so heavy that contacts let go.
 void add_details(std::vector<Instant>& all) {
     for (const double damping : {0.02, 50.0}) {
         model::Parameters base = small_scene();
@@ -152,7 +152,6 @@ void add_details(std::vector<Instant>& all) {
         for (const auto& cases : {all_details(base), rigid_details(base)})
             for (const Case& one : cases) all.push_back({one.name + ", damping " + std::to_string(damping), one.parameters});
     }
-    for (const Case& one : slowed_pins(small_scene())) all.push_back({one.name, one.parameters});
 }
 
 /// Every friction law, phase and input, while the ramp rises, before and after t = 0.

@@ -57,7 +57,7 @@ Real spring(Real u, Real rate, Real stiffness, Real damping, Real& energy, Real&
 void add_extension(const System& system, int pin, const Half& half, HalfForce& force, Totals& totals) {
     const auto& p = system.parameters;
     const Real k = 4.0L * p.chain.young_modulus * p.half.area / p.half.length;
-    const Real c = damping_of(p.chain.damping_ratio, k, Real{p.detail.mass_scaling} * p.half.mass / 3.0L);
+    const Real c = damping_of(p.chain.damping_ratio, k, Real{p.half.mass} / 3.0L);
     force.e -= spring(half.e - system.longer_half(pin), half.e_rate, k, c, totals.energies.inner, totals.loss(model::Loss::inner));
 }
 
@@ -68,7 +68,7 @@ void add_half_bending(const System& system, int number, model::End end, int m, V
     const Half& half = link.half(end);
     const Real length = p.half.length;
     const Real k = (m == 2 ? 144.0L : 1200.0L) * rigidity / (length * length * length);
-    const Real c = damping_of(p.chain.damping_ratio, k, Real{p.detail.mass_scaling} * p.half.mass / (2.0L * m + 1.0L));
+    const Real c = damping_of(p.chain.damping_ratio, k, Real{p.half.mass} / (2.0L * m + 1.0L));
     const Real u_turned = dot(half.shape[m], turned);
     const Real u = dot(half.shape[m], direction);
     const Real rate = dot(half.shape_rate[m], direction) + link.turning * u_turned;
@@ -112,7 +112,7 @@ void add_plate_pack(const System& system, int number, Totals& totals) {
     const Real bending = p.plate.bending_stiffness * p.plate.count;
     const Real torsion = p.plate.torsion_stiffness * p.plate.count;
     const Real half_length = p.half.length / 2.0L;
-    const Real swing = 0.5L * (Real{p.detail.mass_scaling} * p.half.mass / 3.0L) * half_length * half_length;
+    const Real swing = 0.5L * (p.half.mass / 3.0L) * half_length * half_length;
     // θ = -σ·t turns into -σ·n, σ·n into -σ·t.
     add_pack(system, number, {1.0L, -1.0L, t, n, 0.0L, bending / rest, swing}, totals);
     add_pack(system, number, {-1.0L, -1.0L, t, n, -2.0L / rest, 3.0L * bending / rest, swing}, totals);

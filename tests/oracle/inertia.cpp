@@ -71,32 +71,7 @@ Matrix rigid_inertia(const System& system) {
     return matrix;
 }
 
-/// The rest of a matrix after elimination of the translations of halves is the inertia of motion relative to them: it counts
-/// `mass_scaling` times.
-Matrix link_inertia(const System& system) {
-    const auto& layout = system.layout;
-    if (layout.rigid) return rigid_inertia(system);
-    Matrix matrix = half_inertia(system);
-    std::vector<int> translations, others;
-    for (int k = 0; k < layout.link_size(); ++k) {
-        bool translation = false;
-        for (const End end : {End::rear, End::front})
-            translation = translation || k == layout.x(end, 0) || k == layout.y(end, 0) || k == layout.z(end);
-        (translation ? translations : others).push_back(k);
-    }
-    Matrix left = matrix;
-    for (const int pivot : translations) {
-        const std::vector<Real> row = left[pivot];
-        for (int r = 0; r < layout.link_size(); ++r) {
-            const Real factor = left[r][pivot] / row[pivot];
-            for (int c = 0; c < layout.link_size() && r != pivot; ++c) left[r][c] -= factor * row[c];
-        }
-    }
-    for (const int r : others) {
-        for (const int c : others) matrix[r][c] += (Real{system.parameters.detail.mass_scaling} - 1.0L) * left[r][c];
-    }
-    return matrix;
-}
+Matrix link_inertia(const System& system) { return system.layout.rigid ? rigid_inertia(system) : half_inertia(system); }
 
 /// Gaussian elimination without pivoting: the matrix is positive definite.
 std::vector<Real> solve(Matrix matrix, std::vector<Real> right) {

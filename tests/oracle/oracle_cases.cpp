@@ -42,17 +42,6 @@ std::vector<Case> all_details(const model::Parameters& base) {
     return cases;
 }
 
-std::vector<Case> slowed_pins(const model::Parameters& base) {
-    std::vector<Case> cases;
-    for (Case one : all_details(base)) {
-        if (one.parameters.detail.joint_points != 1 || one.parameters.joint.law != model::JointLaw::linear) continue;
-        one.parameters.detail.mass_scaling = 7.0;
-        one.name = "slowed, " + one.name;
-        cases.push_back(one);
-    }
-    return cases;
-}
-
 model::Parameters with_rigid_pins(model::Parameters parameters) {
     parameters.detail.pins = model::PinDetail::rigid;
     parameters.detail.plates = model::PlateDetail::lumped;
@@ -65,16 +54,15 @@ std::vector<Case> rigid_details(const model::Parameters& base) {
     std::vector<Case> cases;
     for (const auto pulleys : {model::PulleyDetail::elastic, model::PulleyDetail::rigid, model::PulleyDetail::absent}) {
         for (const auto law : {model::FrictionLaw::piecewise, model::FrictionLaw::smoothed}) {
-            for (const double scaling : {1.0, 7.0}) {
+            for (const auto tips : {model::TipFriction::table, model::TipFriction::lubricated}) {
                 Case one{"rigid pins, pulleys " + std::to_string(static_cast<int>(pulleys)) + ", friction " +
-                             std::to_string(static_cast<int>(law)) + ", mass scaling " + std::to_string(static_cast<int>(scaling)),
+                             std::to_string(static_cast<int>(law)) + ", tips " + std::to_string(static_cast<int>(tips)),
                          with_rigid_pins(base)};
                 model::Parameters& p = one.parameters;
                 p.detail.pulleys = pulleys;
                 p.detail.friction = law;
-                p.detail.mass_scaling = scaling;
                 if (law == model::FrictionLaw::piecewise && pulleys != model::PulleyDetail::absent) {
-                    p.tip.friction_law = scaling == 1.0 ? model::TipFriction::table : model::TipFriction::lubricated;
+                    p.tip.friction_law = tips;
                     p.tip.friction_table = {{0.0, 0.01, 0.02, 0.05}, {0.07, 0.09, 0.06, 0.08}};
                     p.tip.roughness = 5e-9;
                     p.tip.pressure_sensitivity = 0.3;

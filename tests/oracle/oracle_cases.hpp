@@ -20,11 +20,9 @@ model::Parameters small_scene();
 /// All combinations of plates each/lumped, joint points 1, 3, 8, both joint laws, and pulleys elastic/rigid/absent; quick:
 /// nine that contain every pair of two of these.
 std::vector<Case> all_details(const model::Parameters& base);
-/// All combinations of plates and pulleys, with mass scaling.
-std::vector<Case> slowed_pins(const model::Parameters& base);
 /// The machine of these parameters with rigid pins.
 model::Parameters with_rigid_pins(model::Parameters parameters);
-/// Rigid pins: all combinations of pulleys, friction laws and mass scaling; a law of tips for each of the piecewise ones.
+/// Rigid pins: all combinations of pulleys and friction laws, with two laws of tips for each of the piecewise ones.
 std::vector<Case> rigid_details(const model::Parameters& base);
 /// No friction, no damping.
 void make_conservative(model::Parameters& parameters);

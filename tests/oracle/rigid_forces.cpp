@@ -98,7 +98,7 @@ std::array<Element, 5> link_elements(const PinLink& link) {
     const PinNumbers& n = link.chain.numbers;
     const Real zeta = p.chain.damping_ratio, plates = p.plate.count * Real{p.plate.stiffness}, joint = p.joint.stiffness;
     const Real half_length = p.half.length / 2.0L, scale = n.end_slope * n.end_slope, at_ends = (1.0L - n.bow) * (1.0L - n.bow);
-    const Real swing = 0.5L * Real{p.detail.mass_scaling} * p.half.mass / 3.0L * half_length * half_length;
+    const Real swing = 0.5L * p.half.mass / 3.0L * half_length * half_length;
     const Real bending = p.plate.count * Real{p.plate.bending_stiffness} / link.rest_length();
     const Real torsion = p.plate.count * Real{p.plate.torsion_stiffness};
     const Real stretch = in_series(plates, joint), drag = damping_of(zeta, stretch, n.mass / 4.0L);

@@ -38,7 +38,7 @@ Rolling rolling_between(const model::Parameters& parameters, const PitchLine& be
 
 PinNumbers pin_numbers(const model::Parameters& p) {
     const std::vector<Real> places = plate_places(p);
-    const Real count = static_cast<Real>(places.size()), plates = count * p.plate.mass, scaling = p.detail.mass_scaling;
+    const Real count = static_cast<Real>(places.size()), plates = count * p.plate.mass;
     PinNumbers n;
     Real shape_square = 0.0L;
     for (const Real xi : places) {
@@ -49,8 +49,8 @@ PinNumbers pin_numbers(const model::Parameters& p) {
     const Real at_ends = (1.0L - n.bow) * (1.0L - n.bow);
     n.bow_square = (shape_square - n.bow * n.bow) / at_ends;
     n.mass = 2.0L * p.half.mass + plates;
-    n.tilt_mass = scaling * (2.0L * p.half.mass / 3.0L + plates * n.square);
-    n.bend_mass = 8.0L * scaling * (2.0L * p.half.mass / 5.0L) / at_ends;
+    n.tilt_mass = 2.0L * p.half.mass / 3.0L + plates * n.square;
+    n.bend_mass = 8.0L * (2.0L * p.half.mass / 5.0L) / at_ends;
     const Real cosine = std::cos(Real{p.tip.angle}), stiffness = 2.0L * p.chain.young_modulus * p.half.area / p.half.length;
     n.softness = p.tip.hertz * cosine * cosine / stiffness;
     n.end_slope = 2.0L / p.half.length;

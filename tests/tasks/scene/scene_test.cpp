@@ -181,12 +181,10 @@ TEST(DetailPresets, SetTheirDialsAndKeepTheOthers) {
         scene.parameters.detail.friction = model::FrictionLaw::smoothed;
         scene.parameters.detail.smoothing = 0.25;
         scene.parameters.detail.stick_slip = true;
-        scene.parameters.detail.mass_scaling = 3.0;
         apply_detail(scene, preset.name);
         const model::Detail expected{.pins = preset.pins,
                                      .plates = preset.plates,
                                      .joint_points = preset.joint_points,
-                                     .mass_scaling = preset.mass_scaling,
                                      .pulleys = preset.pulleys,
                                      .friction = model::FrictionLaw::smoothed,
                                      .smoothing = 0.25,
@@ -205,7 +203,6 @@ TEST(DetailPresets, SetNothingButTheDialsAndNoneOfThemInVain) {
         Scene before;
         before.parameters.detail = {.pins = model::PinDetail::rigid,
                                     .joint_points = 5,
-                                    .mass_scaling = 3.0,
                                     .pulleys = model::PulleyDetail::rigid,
                                     .friction = model::FrictionLaw::smoothed};
         Scene after = before;

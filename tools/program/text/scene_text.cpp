@@ -38,9 +38,8 @@ std::string detail_text(const tasks::Scene& scene) {
     const std::string dials =
         fmt::format("{}, {}, {}", detail.plates == model::PlateDetail::each ? "every plate" : "lumped plates", joints,
                     detail.pulleys == model::PulleyDetail::absent ? "no pulleys" : choice(scene, "detail.pulleys") + " pulleys");
-    const std::string slowed = detail.mass_scaling == 1.0 ? "" : fmt::format(", mass scaling {}", choice(scene, "detail.mass_scaling"));
     const std::string friction = choice(scene, "detail.friction") + " friction" + (detail.stick_slip ? " with stick and slip" : "");
-    return name.empty() ? fmt::format("{}{}; {}", dials, slowed, friction) : fmt::format("{} ({}{}); {}", name, dials, slowed, friction);
+    return name.empty() ? fmt::format("{}; {}", dials, friction) : fmt::format("{} ({}); {}", name, dials, friction);
 }
 
 std::string level_text(const tasks::Scene& scene) {

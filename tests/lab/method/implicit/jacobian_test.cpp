@@ -47,7 +47,6 @@ TEST(ExactJacobian, KnowsEveryLawAndKindOfPulley) {
         {"detail.stick_slip=true"},
         {"detail.pulleys=rigid"},
         {"detail.plates=each", "detail.joint_points=8"},
-        {"detail.mass_scaling=10"},
         {"guide.stiffness=1e8", "guide.clearance=0", "guide.friction_coefficient=0.5"},
         {"control.enabled=true", "control.ratio=1.0", "record.ledger=true"},
         {"control.enabled=true", "control.driven=safety", "control.ratio=1.0", "record.ledger=true"}};
