@@ -160,7 +160,7 @@ def _load():
     try:
         return Library(next(_places()))
     except OSError as error:
-        raise ImportError(f"cvtflow: the library cannot be loaded: {error}") from None
+        raise ImportError(f"the library cannot be loaded: {error}; install cvtflow completely") from None
 
 
 c: Any = _load()

@@ -20,6 +20,7 @@ from ._library import (ON_LINE, Column, Counters, Energy, Info, Options, Transit
                        message, plain)
 from ._scene import Scene, opened
 
+_BUSY = "the simulation is in use by another thread, or this is its own callback"
 BETWEEN_CHECKS = 0.05  # wall time between two moments at which Python handles signals [s]
 
 
@@ -178,7 +179,13 @@ class Simulation:
     def advance_to(self, time: float | str) -> None:
         """Takes whole steps until self.time >= time ("1 ms"; numbers are in s), without the interpreter's lock. Ctrl-C ends it between two
         steps, and the simulation can be continued. Raises a Fault, CancelledError, BusyError; ArgumentError for a time more than a step back."""
-        self._alone(self._advance, time if type(time) is float else in_si(time, "time", "s"))
+        until = time if type(time) is float else in_si(time, "time", "s")
+        if not self._lock.acquire(False):
+            raise BusyError(_BUSY)
+        try:
+            self._advance(until)
+        finally:
+            self._lock.release()
 
     def step(self) -> None:
         """One step, which a transition may shorten."""
@@ -196,7 +203,7 @@ class Simulation:
     def _alone(self, action, *arguments):
         """A second call, of another thread or of a callback, is refused, as in the library; here this holds for all slices of a call."""
         if not self._lock.acquire(False):
-            raise BusyError("the simulation is in use by another thread, or this is its own callback")
+            raise BusyError(_BUSY)
         try:
             return action(*arguments)
         finally:
@@ -205,9 +212,10 @@ class Simulation:
     def _advance(self, until):
         """In slices, after which Python handles signals and callbacks: they end at outputs of the callback, and take a twentieth of a second
         or less. A slice that ended between two outputs of the scene would begin the means of channels anew."""
-        handle, at = self._handle, message()
-        interval, near = self._interval, until - 1e-9 * self._interval
-        begin = c.time(handle)
+        handle, at, interval = self._handle, message(), self._interval
+        begin, near = c.time(handle), until - 1e-9 * interval
+        if not begin < near:
+            return check(c.advance_to(handle, until, at))
         while True:
             intervals = max(1.0, self._pace * BETWEEN_CHECKS // interval)
             end = min(until, ((begin / interval + 1e-9) // 1 + intervals) * interval)
@@ -223,7 +231,7 @@ class Simulation:
             if self._on_output is not None or self._on_transition is not None:
                 self._report(now)
             if not now < near:
-                return
+                return None
             begin = now
 
     def _step(self):
