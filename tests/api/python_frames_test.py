@@ -323,8 +323,9 @@ class Sweeps(Folder):
 
     @scipy_only
     def test_friction_is_found_from_the_slip_that_it_makes(self):
-        scene = tiny("detail.level=rigid", "run.method=auto", "run.until=0.4 ms", "start.settling_time=1 ms", "start.ramp_time=1 ms")
-        load, scalar = [6.0, 9.0, 12.0], "friction_slip mean"
+        scene = cvtflow.Scene.ready("baseline").with_detail("rigid").with_(
+            {"start.state": "", "start.settling_time": "4 ms", "start.ramp_time": "2 ms", "run.until": "1 ms"})
+        load, scalar = [60.0, 100.0, 140.0], "friction_slip mean"
         key = "tip.friction_coefficient"
         truth = cvtflow.Sweep(scene.with_({key: 0.085}), {"load.torque": load}, [scalar]).run(self.folder)["friction_slip_mean"]
         found = cvtflow.fit(scene, {key: (0.06, 0.12)}, {"load.torque": load, scalar: truth}, deviations={scalar: 1e-5})
