@@ -73,10 +73,10 @@ std::string python_package(const std::string& name) {
                     place.string()));
 }
 
-void become_python(std::span<const std::string> words) {
+void become_python(std::span<const std::string> words, const std::string& script) {
     const fs::path program = fs::canonical("/proc/self/exe");
     const std::string python = python_interpreter();
-    std::vector<std::string> command{python, "-I", "-B", "-X", "utf8", python_package("__main__.py")}, settings = environment(program);
+    std::vector<std::string> command{python, "-I", "-B", "-X", "utf8", python_package(script)}, settings = environment(program);
     command.insert(command.end(), words.begin(), words.end());
     execve(python.c_str(), pointers(command).data(), pointers(settings).data());
     throw std::runtime_error(

@@ -10,9 +10,9 @@ namespace cvtflow::tools {
 ///
 /// The interpreter is CVTFLOW_PYTHON, an absolute path, else the one that CMake found. It runs isolated and with few variables of the
 /// environment: nothing in the working folder, PYTHONPATH or the user's packages has an effect. CVTFLOW_PROGRAM names this program to it.
-/// @param words  command and arguments
+/// @param words  command and arguments   @param script  file of the package
 /// @throws UsageError, std::runtime_error: what to install where package or interpreter is missing
-[[noreturn]] void become_python(std::span<const std::string> words);
+[[noreturn]] void become_python(std::span<const std::string> words, const std::string& script = "__main__.py");
 
 /// The interpreter that runs the package. @throws UsageError for a relative CVTFLOW_PYTHON
 [[nodiscard]] std::string python_interpreter();

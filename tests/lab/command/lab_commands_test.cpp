@@ -85,7 +85,7 @@ TEST_F(LabCommands, TuneMeasuresMethodsOfTheLaboratoryAndKeysOfDetail) {
     ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "0.2ms", "--set", "start.ramp_time=0.1ms"}).status, 0);
     const Outcome outcome = run({"tune", "tiny", "--set", "start.state=s.h5", "--accuracy", "50 %", "--outputs", "tight_tension",
                                  "--settling", "0.2 ms", "--average", "0.2 ms", "--all", "--levels", "full, full detail.plates=lumped",
-                                 "--methods", "leapfrog-rkc@0.5us, rk4@100ns", "-q", "--json"});
+                                 "--methods", "leapfrog-sweep@0.5us, rk4@100ns", "-q", "--json"});
     ASSERT_EQ(outcome.status, 0) << outcome.err << outcome.out;
     const auto table = nlohmann::json::parse(read("results/tune_tiny.json"));
     ASSERT_EQ(table["choices"].size(), 4u);
@@ -126,7 +126,7 @@ TEST_F(LabCommands, DotDrawsATaskPerSegment) {
 }
 
 TEST_F(LabCommands, DotDrawsTheCyclesOfAMethodByTheirTasks) {
-    const std::string kick = run({"dot", "tiny", "--segments", "3", "--method", "leapfrog-rkc", "--cycle", "friction"}).out;
+    const std::string kick = run({"dot", "tiny", "--segments", "3", "--method", "leapfrog-sweep", "--cycle", "friction"}).out;
     EXPECT_THAT(kick, AllOf(StartsWith("digraph "), HasSubstr("friction[2]"), testing::Not(HasSubstr("record"))));
     const std::string solve = run({"dot", "tiny", "--method", "trapezoidal-full", "--cycle", "backward"}).out;
     EXPECT_THAT(solve, AllOf(HasSubstr("label=\"forward[0]\""), HasSubstr("label=\"join\"")));

@@ -1,4 +1,4 @@
-/// cvtflow-lab local-error: local errors as text, CSV and pictures.
+/// cvtflow-lab local-error: errors of single steps.
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/plot/plot.hpp"
 #include "bench/lab/settled_start.hpp"
+#include "bench/lab/show.hpp"
 #include "bench/method/analysis/order.hpp"
 #include "bench/study/method_run.hpp"
 #include "bench/study/stability/frozen_step.hpp"
@@ -28,73 +28,6 @@ namespace cvtflow::bench {
 using namespace tools;
 
 namespace {
-
-/// One method under one friction law.
-struct ErrorCurve {
-    std::string method;
-    std::string friction;            ///< "piecewise" or "smoothed"
-    std::vector<LocalError> errors;  ///< errors by descending step; NaN: a transition ended the step
-};
-
-constexpr std::array parts{&LocalError::positions, &LocalError::velocities, &LocalError::axial_force, &LocalError::tension};
-
-std::string error_text(double error) {
-    if (std::isnan(error)) return "cut";
-    return error > 0.0 ? fmt::format("{:.3e}", error) : "0";
-}
-
-/// log(e/e')/log(h/h') between a row and the one above it.
-std::string slope(double error, double above, double ratio) {
-    return error > 0.0 && above > 0.0 ? fmt::format("{:.2f}", std::log(above / error) / std::log(ratio)) : "";
-}
-
-/// A row per step, errors of the four parts with their slopes.
-std::string error_table(const std::vector<LocalError>& errors) {
-    const auto right = [](const char* heading) { return Table::Column{heading, Align::right}; };
-    Table table({right("step"), right("positions"), right("slope"), right("velocities"), right("slope"), right("axial force"),
-                 right("slope"), right("tension"), right("slope")});
-    for (std::size_t i = 0; i < errors.size(); ++i) {
-        std::vector<std::string> cells{time_text(errors[i].step)};
-        for (const auto part : parts) {
-            cells.push_back(error_text(errors[i].*part));
-            cells.push_back(i == 0 ? "" : slope(errors[i].*part, errors[i - 1].*part, errors[i - 1].step / errors[i].step));
-        }
-        table.add(cells);
-    }
-    return table.text(2);
-}
-
-/// A row per method and step.
-std::string error_csv(const std::vector<ErrorCurve>& curves) {
-    std::string text = "method,friction,step,positions,velocities,axial_force,tension\n";
-    for (const ErrorCurve& curve : curves) {
-        for (const LocalError& error : curve.errors) {
-            text += fmt::format("{},{},{:.17g}", curve.method, curve.friction, error.step);
-            for (const auto part : parts) text += std::isnan(error.*part) ? "," : fmt::format(",{:.9g}", error.*part);
-            text += "\n";
-        }
-    }
-    return text;
-}
-
-/// One part of all methods under one friction law, against the step, both logarithmic. @param name of the part, as in the title
-Plot error_plot(const std::vector<ErrorCurve>& curves, const std::string& friction, double LocalError::*part, const std::string& name,
-                const std::string& scene) {
-    static constexpr std::array marks{Mark::dot, Mark::ring, Mark::square, Mark::diamond, Mark::triangle, Mark::cross};
-    Plot plot;
-    plot.title = fmt::format("Error of one step: {}", name);
-    plot.subtitle = fmt::format("{}, {} friction, relative to tight rk4", scene, friction);
-    plot.x = {"step [s]", Scale::logarithmic, 1.0, {}, {}};
-    plot.y = {"relative error", Scale::logarithmic, 1.0, {}, {}};
-    for (const ErrorCurve& curve : curves) {
-        if (curve.friction != friction) continue;
-        Series series{curve.method, {}, marks[plot.series.size() % marks.size()], Line::solid, ""};
-        for (const LocalError& error : curve.errors)
-            series.points.push_back({error.step, std::isfinite(error.*part) && error.*part < 1e6 ? error.*part : NAN});
-        plot.series.push_back(std::move(series));
-    }
-    return plot;
-}
 
 struct LocalErrorArguments {
     SceneArguments scene;
@@ -130,27 +63,22 @@ std::vector<std::pair<model::FrictionLaw, std::string>> laws_of(const std::strin
     return chosen;
 }
 
-std::string heading(const std::string& scene, const std::string& method, long touching) {
+/// The errors of one method under one friction law, by descending step; null: a transition ended the step.
+Json curve_of(const std::string& method, const std::string& friction, const std::vector<LocalError>& errors) {
     const tasks::Method found(method);
-    if (const tasks::MethodProgram* program = found.program()) {
-        return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), {} touching at its start\n",
-                           scene, method, program->order, program->order + 1, plural(touching, "tip"));
-    }
-    const int order = bench::order_of(found.plan());
-    return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene,
-                       method, order, order + 1, plural(touching, "tip"));
-}
-
-void write_files(OutputFolder& folder, const std::vector<ErrorCurve>& curves, const std::string& scene) {
-    folder.write("local-error.csv", error_csv(curves));
-    for (const std::string_view name : model::friction_law_names) {
-        const std::string friction(name);
-        if (std::none_of(curves.begin(), curves.end(), [&](const ErrorCurve& curve) { return curve.friction == friction; })) continue;
-        folder.write(fmt::format("local-error-axial-force-{}.svg", friction),
-                     svg(error_plot(curves, friction, &LocalError::axial_force, "axial force of all tips", scene)));
-        folder.write(fmt::format("local-error-velocities-{}.svg", friction),
-                     svg(error_plot(curves, friction, &LocalError::velocities, "velocities of all links", scene)));
-    }
+    const tasks::MethodProgram* program = found.program();
+    Json rows = Json::array();
+    for (const LocalError& error : errors)
+        rows.push_back({{"step", error.step},
+                        {"positions", number_json(error.positions)},
+                        {"velocities", number_json(error.velocities)},
+                        {"axial_force", number_json(error.axial_force)},
+                        {"tension", number_json(error.tension)}});
+    return {{"method", method},
+            {"friction", friction},
+            {"order", program != nullptr ? program->order : order_of(found.plan())},
+            {"held", program == nullptr},  // phases
+            {"errors", std::move(rows)}};
 }
 
 ExitStatus local_error(const LocalErrorArguments& arguments) {
@@ -162,20 +90,15 @@ ExitStatus local_error(const LocalErrorArguments& arguments) {
     for (const std::string& method : methods) require_method(method);
     if (methods.empty()) methods.push_back(tasks::method_of(scene));
     const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "its errors");
-    std::vector<ErrorCurve> curves;
+    Json curves = Json::array();
     for (const std::string& method : methods) {
-        fmt::print("{}{}", curves.empty() ? "" : "\n", heading(scene.name, method, touching_tips(start)));
         for (const auto& [law, name] : laws_of(arguments.friction, scene.parameters.detail.friction)) {
             model::Parameters parameters = scene.parameters;
             parameters.detail.friction = law;
-            curves.push_back({method, name, local_errors(parameters, method, start, steps)});
-            fmt::print("\n{} friction\n{}", name, error_table(curves.back().errors));
+            curves.push_back(curve_of(method, name, local_errors(parameters, method, start, steps)));
         }
     }
-    OutputFolder folder(arguments.output);
-    write_files(folder, curves, scene.name);
-    if (!folder.written().empty()) fmt::print("\n{}", folder.written());
-    return ExitStatus::finished;
+    show("local_error", {{"scene", scene.name}, {"touching", touching_tips(start)}, {"curves", std::move(curves)}}, arguments.output);
 }
 
 }  // namespace

@@ -5,9 +5,11 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/report/method/spectrum_report.hpp"
+#include "bench/lab/command/method/limit.hpp"
 #include "bench/lab/settled_start.hpp"
+#include "bench/lab/show.hpp"
 #include "bench/method/analysis/eigenvalues.hpp"
+#include "bench/method/family/fitted.hpp"
 #include "bench/study/spectrum.hpp"
 #include "engine/method/catalogue.hpp"
 #include "model/observe/observation.hpp"
@@ -16,6 +18,7 @@
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
+#include "tools/program/text/report_columns.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::bench {
@@ -42,45 +45,62 @@ private:
     bool quiet_;
 };
 
-void find_values(SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start, bool extremal,
-                 const ProgressReporter& report) {
-    std::vector<double> matrix = jacobian(variator, start.time, start.state, start.phases);
-    result.unknowns = static_cast<int>(start.state.size());
-    result.complete = !extremal;
+constexpr double border = -1e6;  ///< real part left of which --extremal finds eigenvalues, and they are attributed [1/s]
+
+/// The eigenvalues: all, or those at the edge, of which "dimension" and "residual" say how they were found.
+Eigenvalues find_values(Json& results, std::vector<double> matrix, int unknowns, bool extremal, const ProgressReporter& report) {
     if (!extremal) {
-        if (result.unknowns > 1500)
-            report(fmt::format("all {} eigenvalues: one or two minutes (--extremal: seconds)", count_text(result.unknowns)));
-        result.values = bench::eigenvalues(std::move(matrix), result.unknowns);
-        return;
+        if (unknowns > 1500) report(fmt::format("all {} eigenvalues: one or two minutes (--extremal: seconds)", count_text(unknowns)));
+        return eigenvalues(std::move(matrix), unknowns);
     }
     const auto progress = [&](int dimension, int settled, int requested) {
         report(fmt::format("Krylov space of {}: {} of {} eigenvalues converged", dimension, settled, requested));
     };
-    bench::ExtremalEigenvalues edge =
-        bench::extremal_eigenvalues(std::move(matrix), result.unknowns, {.left_of = result.border, .progress = progress});
-    result.values = std::move(edge.values);
-    result.dimension = edge.dimension;
-    result.residual = edge.residual;
+    ExtremalEigenvalues edge = extremal_eigenvalues(std::move(matrix), unknowns, {.left_of = border, .progress = progress});
+    results["dimension"] = edge.dimension;
+    results["residual"] = edge.residual;
+    return std::move(edge.values);
 }
 
-/// Absent for methods that are programs.
-std::optional<PlanLimit> limit_of(const SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start,
-                                  const ProgressReporter& report) {
-    if (tasks::find_program(result.method) != nullptr) return {};
-    const engine::StagePlan plan = *engine::make_method(result.method);
-    report(fmt::format("largest stable step of {}", result.method));
-    PlanLimit limit{result.method, largest_stable_step(plan, result.values), {}};
-    limit.measured = measured_stable_step(variator, plan, start, limit.predicted.step, extent_of(result.values).growth);
-    return limit;
+Json extent_json(const Extent& extent) {
+    return {{"max_decay", extent.decay},
+            {"max_oscillation", extent.oscillation},
+            {"below_1e6", extent.below_1e6},
+            {"below_1e7", extent.below_1e7}};
 }
 
-/// The limit that `check` states. Absent for tables of stages.
-std::optional<tasks::LargestStep> program_limit_of(const tasks::Scene& scene, const model::Variator& variator,
-                                                   const tasks::FrozenStart& start) {
-    if (tasks::find_program(tasks::method_of(scene)) == nullptr) return {};
-    tasks::AutoStep step(variator, scene.parameters, tasks::method_of(scene));
+/// The largest stable step: of a table of stages, predicted and measured; else the one that `check` states.
+void add_limit(Json& results, const tasks::Scene& scene, const model::Variator& variator, const tasks::FrozenStart& start,
+               const Eigenvalues& values, const ProgressReporter& report) {
+    const std::string method = tasks::method_of(scene);
+    Json& limit = results["file"]["stable_step"];
+    if (tasks::find_program(method) == nullptr) {
+        report(fmt::format("largest stable step of {}", method));
+        limit = limit_json(*engine::make_method(method), values, variator, start);
+        return;
+    }
+    tasks::AutoStep step(variator, scene.parameters, method);
     (void)step.longest(start.time, start.state.data(), start.phases.data());
-    return step.largest();
+    limit = {{"method", method}, {"stated", step.largest().step}, {"rate", step.largest().rate}};  // an infinite step is null
+    results["stated"] = tasks::text_of(step.largest());
+}
+
+void add_attribution(Json& file, const Attribution& attribution) {
+    for (const SlowedSpectrum& spectrum : attribution.slowed) {
+        Json row = extent_json(extent_of(spectrum.values));
+        row["contacts"] = spectrum.contacts;
+        row["eigenvalues"] = values_json(spectrum.values);
+        file["slowed_tenfold"].push_back(std::move(row));
+    }
+    file["shares"] = attribution.shares;
+}
+
+/// Name of the cheapest polynomial for a step; empty: none is fitted to it.
+std::string polynomial_for(const Extent& extent, double step) {
+    constexpr double margin = 1.2;  // of a step's fit, as run.method = "fitted" takes
+    const double real = margin * extent.decay * step, imaginary = margin * extent.oscillation * step;
+    const bool fits = real >= min_fitted_real && real <= max_fitted_real && imaginary <= max_fitted_imaginary;
+    return fits ? fmt::format("fitted-l{:.4g}-w{:.4g}", real, imaginary) : "";
 }
 
 ExitStatus run_spectrum(const SpectrumArguments& arguments) {
@@ -90,32 +110,35 @@ ExitStatus run_spectrum(const SpectrumArguments& arguments) {
     if (!loaded.notice.empty()) report(loaded.notice);
     const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "its eigenvalues");
     const model::Variator variator(scene.parameters);
-    SpectrumResult result;
-    result.scene = scene.name;
-    result.friction = model::friction_law_names[static_cast<std::size_t>(scene.parameters.detail.friction)];
-    result.time = start.time;
-    result.touching = touching_tips(start);
     model::Observer observer(variator);
     const model::Observation& seen = observer.observe(start.time, start.state.data(), start.phases.data());
-    result.tight = seen.tight, result.slack = seen.slack;
-    result.method = tasks::method_of(scene);
-    result.step = scene.run.step.value_or(tasks::longest_automatic_step(result.method, scene.parameters));
-    find_values(result, variator, start, arguments.extremal, report);
-    result.limit = limit_of(result, variator, start, report);
-    result.program_limit = program_limit_of(scene, variator, start);
-    if (arguments.attribute) result.attribution = attribute(scene.parameters, start, result.border, report);
-    OutputFolder folder(arguments.output);
-    folder.write("spectrum.csv", spectrum_csv(result));
-    folder.write("spectrum.json", spectrum_json(result));
-    if (result.complete) {
-        folder.write("spectrum-linear.svg", svg(spectrum_plot(result, Scale::linear)));
-        folder.write("spectrum-symlog.svg", svg(spectrum_plot(result, Scale::symlog)));
-    } else {
-        folder.write("spectrum-edge.svg", svg(edge_plot(result)));  // in the complex plane they would be one line
-    }
-    if (result.attribution) folder.write("spectrum-slowed.svg", svg(slowed_plot(result)));
-    fmt::print("{}{}", spectrum_text(result), folder.written());
-    return ExitStatus::finished;
+    const std::string method = tasks::method_of(scene);
+    const double step = scene.run.step.value_or(tasks::longest_automatic_step(method, scene.parameters));
+    const int unknowns = static_cast<int>(start.state.size());
+    Json results{{"border", border}, {"growth_tolerance", growth_rate_tolerance}};
+    for (const ContactKind& kind : contact_kinds()) results["kinds"].push_back(kind.name);
+    const Eigenvalues values =
+        find_values(results, jacobian(variator, start.time, start.state, start.phases), unknowns, arguments.extremal, report);
+    const Extent extent = extent_of(values);
+    results["polynomial"] = polynomial_for(extent, step);
+    results["file"] = {{"scene", scene.name},
+                       {"provenance", provenance_json()},
+                       {"time", start.time},
+                       {"friction", model::friction_law_names[static_cast<std::size_t>(scene.parameters.detail.friction)]},
+                       {"touching", touching_tips(start)},
+                       {"unknowns", unknowns},
+                       {"complete", !arguments.extremal},
+                       {"tight_tension", seen.tight},
+                       {"slack_tension", seen.slack},
+                       {"extent", extent_json(extent)}};
+    Json& file = results["file"];
+    if (!arguments.extremal) file["growth"] = {{"growing", extent.growing}, {"largest", extent.growth}};
+    file["method"] = method;
+    file["step"] = step;
+    add_limit(results, scene, variator, start, values, report);
+    file["eigenvalues"] = values_json(values);
+    if (arguments.attribute) add_attribution(file, attribute(scene.parameters, start, border, report));
+    show("spectrum", std::move(results), arguments.output);
 }
 
 constexpr const char* spectrum_explanation =

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/plot/plot.hpp"
-#include "bench/lab/report/method/spectrum_report.hpp"
+#include "bench/lab/command/method/limit.hpp"
 #include "bench/lab/settled_start.hpp"
+#include "bench/lab/show.hpp"
 #include "bench/method/analysis/eigenvalues.hpp"
 #include "bench/method/analysis/stability.hpp"
 #include "bench/study/spectrum.hpp"
@@ -27,95 +27,53 @@ using namespace tools;
 
 namespace {
 
-/// A method and its limits by a scene's spectrum.
-struct StabilityResult {
-    engine::StagePlan plan;
-    double real = 0.0, imaginary = 0.0;  ///< reach along the axes
-    double ray_1 = 0.0, ray_5 = 0.0;     ///< reach along rays of damping ratio 1 % and 5 %
-    std::optional<PlanLimit> limit;      ///< limit on a scene, if any
-    double growth = 0.0, gain = 0.0;     ///< growth of stages and of their errors over the scene's decays at the limit; only with a scene
-};
-
 double ray(const engine::StagePlan& plan, double damping) {
     return bench::stability_reach(plan, {-damping, std::sqrt(1.0 - damping * damping)}, 1e-6);
 }
 
-std::string short_number(double value) { return value < 1e4 ? fmt::format("{:.4g}", value) : fmt::format("{:.2e}", value); }
-
-double evaluations_per_second(const StabilityResult& result) {
-    return static_cast<double>(result.plan.stages.size()) / result.limit->predicted.step;
-}
-
-/// Reaches, and over [-length, 0] nothing yet.
-StabilityResult stability_of(const engine::StagePlan& plan) {
-    return {plan, bench::real_stability(plan), bench::imaginary_stability(plan), ray(plan, 0.01), ray(plan, 0.05), {}, 0.0, 0.0};
-}
-
-std::string stability_table(const std::vector<StabilityResult>& results) {
-    const auto right = [](const char* heading) { return Table::Column{heading, Align::right}; };
-    const bool scene = !results.empty() && results.front().limit;
-    std::vector<Table::Column> columns{{"method"}, right("stages"), right("real"), right("imag"), right("ray 1 %"), right("ray 5 %")};
-    if (scene) columns.insert(columns.end(), {right("growth"), right("gain"), right("eval./s"), {"largest stable step"}});
-    Table table(columns);
-    for (const StabilityResult& result : results) {
-        std::vector<std::string> cells{result.plan.name,           std::to_string(result.plan.stages.size()),
-                                       short_number(result.real),  short_number(result.imaginary),
-                                       short_number(result.ray_1), short_number(result.ray_5)};
-        if (scene) {
-            const std::vector<std::string> more{short_number(result.growth), short_number(result.gain),
-                                                fmt::format("{:.3g}", evaluations_per_second(result)), limit_text(*result.limit)};
-            cells.insert(cells.end(), more.begin(), more.end());
-        }
-        table.add(cells);
-    }
-    return table.text(2);
-}
-
-std::string stability_csv(const std::vector<StabilityResult>& results) {
-    std::string text =
-        "method,stages,real,imaginary,ray_1,ray_5,stage_growth,gain,predicted,limiting_real,limiting_imaginary,measured_stable,measured_"
-        "unstable\n";
-    for (const StabilityResult& result : results) {
-        text += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.9g}", result.plan.name, result.plan.stages.size(), result.real, result.imaginary,
-                            result.ray_1, result.ray_5);
-        if (result.limit) {
-            const PlanLimit& limit = *result.limit;
-            text += fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", result.growth, result.gain, limit.predicted.step,
-                                limit.predicted.limiting.real(), limit.predicted.limiting.imag(), limit.measured.stable,
-                                limit.measured.unstable);
-        } else {
-            text += ",,,,,,,";
-        }
-        text += "\n";
-    }
-    return text;
+/// Values between two ends, equally spaced in the picture: those of a symlog axis, linear up to 1, or of a linear one.
+std::vector<double> places(double from, double to, bool symlog) {
+    constexpr int count = 320;
+    const auto placed = [&](double value) {
+        const double size = std::abs(value);
+        return symlog && size > 1.0 ? std::copysign(1.0 + std::log10(size), value) : value;
+    };
+    const auto value_at = [&](double place) {
+        const double size = std::abs(place);
+        return symlog && size > 1.0 ? std::copysign(std::pow(10.0, size - 1.0), place) : place;
+    };
+    const double first = placed(from), last = placed(to);
+    std::vector<double> all;
+    for (int k = 0; k < count; ++k) all.push_back(value_at(first + (last - first) * k / (count - 1)));
+    return all;
 }
 
 /// |R(z)| ≤ 1, and the eigenvalues times the step. @param values may be empty   @param step [s]
-Plot stability_map(const StabilityResult& result, const bench::Eigenvalues& values, double step, const std::string& scene) {
-    Plot plot;
-    plot.title = fmt::format("Stability of {}", result.plan.name);
-    const double reach = std::max({result.real, 1.0, step * extent_of(values).decay});
-    double half = std::max({result.imaginary, result.ray_5, step * extent_of(values).oscillation, 1.0});
-    const auto factor = bench::stability_function(result.plan);
+Json stability_map(const engine::StagePlan& plan, double real, double imaginary, const Eigenvalues& values, double step) {
+    const double reach = std::max({real, 1.0, step * extent_of(values).decay});
+    double half = std::max({imaginary, ray(plan, 0.05), step * extent_of(values).oscillation, 1.0});
+    const auto factor = bench::stability_function(plan);
     const auto stable = [factor](double x, double y) { return std::abs(factor({x, y})) <= 1.0; };
     for (double x = -reach; x < -1e-3; x *= 0.9) {
         while (half < 100.0 && stable(x, 1.05 * half)) half *= 1.1;  // shows the widest part completely
     }
-    plot.x = {"Re hλ", reach > 20.0 ? Scale::symlog : Scale::linear, 1.0, -1.3 * reach, std::min(2.0, 0.3 * reach)};
-    plot.y = {"Im hλ", Scale::linear, 1.0, -1.15 * half, 1.15 * half};
-    plot.regions.push_back({"|R(hλ)| ≤ 1", stable});
-    if (values.empty()) return plot;
-    plot.subtitle = fmt::format("eigenvalues of {} times h = {}", scene, time_text(step));
-    Series series{"hλ", {}, Mark::small_dot, Line::none, "#0072b2"}, outside{"hλ, growing", {}, Mark::cross, Line::none, "#d55e00"};
+    const bool symlog = reach > 20.0;
+    const std::vector<double> x = places(-1.3 * reach, std::min(2.0, 0.3 * reach), symlog), y = places(-1.15 * half, 1.15 * half, false);
+    Json inside = Json::array();
+    for (const double up : y) {
+        std::string row;
+        for (const double across : x) row += stable(across, up) ? '1' : '0';
+        inside.push_back(std::move(row));
+    }
+    Eigenvalues damped, growing;
     for (const auto& value : values) {
         const auto z = step * value;
         const bool grows = std::log(std::abs(factor(z))) / step > std::max(value.real(), 0.0) + growth_rate_tolerance;
-        (grows ? outside : series).points.push_back({z.real(), z.imag()});
+        (grows ? growing : damped).push_back(z);
     }
-    plot.series = {series};
-    if (!outside.points.empty()) plot.series.push_back(outside);
-    return plot;
+    return {
+        {"x", x},      {"y", y}, {"symlog", symlog}, {"inside", inside}, {"values", values_json(damped)}, {"growing", values_json(growing)},
+        {"step", step}};
 }
 
 struct StabilityArguments {
@@ -158,41 +116,44 @@ Ground ground_of(const StabilityArguments& arguments) {
     return ground;
 }
 
-void try_on(StabilityResult& result, const Ground& ground) {
-    const std::string& name = result.plan.name;
-    const Extent extent = extent_of(ground.values);
-    PlanLimit limit{name, largest_stable_step(result.plan, ground.values), {}};
-    limit.measured = measured_stable_step(*ground.variator, result.plan, ground.start, limit.predicted.step, extent.growth);
-    result.growth = bench::stage_growth(result.plan, limit.predicted.step * extent.decay);
-    result.gain = bench::perturbation_gain(result.plan, limit.predicted.step * extent.decay);
-    result.limit = limit;
-}
-
-std::vector<StabilityResult> analyse(const std::vector<engine::StagePlan>& plans, const StabilityArguments& arguments,
-                                     const std::optional<Ground>& ground, OutputFolder& folder) {
-    std::vector<StabilityResult> results;
-    for (const engine::StagePlan& plan : plans) {
-        if (!arguments.quiet) print_error(plan.name);
-        results.push_back(stability_of(plan));
-        if (ground) try_on(results.back(), *ground);
-        const double step = arguments.step > 0.0 ? arguments.step : ground ? results.back().limit->predicted.step : 1.0;
-        const std::string picture = fmt::format("stability-{}.svg", plan.name);
-        if (folder.wants(picture))
-            folder.write(picture, svg(stability_map(results.back(), ground ? ground->values : bench::Eigenvalues{}, step,
-                                                    ground ? ground->scene : "")));
+/// A method's reach along the axes and along rays of damping ratio 1 % and 5 %; on a scene also its limit, and the growth of its stages and
+/// of their errors over the scene's decays at that limit. "row": of stability.csv.
+Json stability_of(const engine::StagePlan& plan, const StabilityArguments& arguments, const std::optional<Ground>& ground) {
+    const double real = bench::real_stability(plan), imaginary = bench::imaginary_stability(plan);
+    Json row{{"method", plan.name},    {"stages", plan.stages.size()}, {"real", real},
+             {"imaginary", imaginary}, {"ray_1", ray(plan, 0.01)},     {"ray_5", ray(plan, 0.05)}};
+    for (const char* key :
+         {"stage_growth", "gain", "predicted", "limiting_real", "limiting_imaginary", "measured_stable", "measured_unstable"})
+        row[key] = nullptr;
+    Json result;
+    double step = 1.0;
+    if (ground) {
+        const Json limit = limit_json(plan, ground->values, *ground->variator, ground->start);
+        step = limit["predicted"];
+        const double decay = step * extent_of(ground->values).decay;
+        row["stage_growth"] = bench::stage_growth(plan, decay);
+        row["gain"] = bench::perturbation_gain(plan, decay);
+        for (const char* key : {"predicted", "measured_stable", "measured_unstable"}) row[key] = limit[key];
+        row["limiting_real"] = limit["limiting"][0], row["limiting_imaginary"] = limit["limiting"][1];
+        result["limit"] = limit;
     }
-    folder.write("stability.csv", stability_csv(results));
-    return results;
+    result["row"] = std::move(row);
+    if (arguments.step > 0.0) step = arguments.step;
+    if (OutputFolder(arguments.output).wants(".svg"))
+        result["map"] = stability_map(plan, real, imaginary, ground ? ground->values : Eigenvalues{}, step);
+    return result;
 }
 
 ExitStatus stability(const StabilityArguments& arguments) {
     const std::vector<engine::StagePlan> plans = chosen(arguments);
-    OutputFolder folder(arguments.output);
     std::optional<Ground> ground;
     if (!arguments.scene.scene.empty()) ground = ground_of(arguments);
-    const std::string table = stability_table(analyse(plans, arguments, ground, folder));
-    fmt::print("{}{}", table, folder.written());
-    return ExitStatus::finished;
+    Json methods = Json::array();
+    for (const engine::StagePlan& plan : plans) {
+        if (!arguments.quiet) print_error(plan.name);
+        methods.push_back(stability_of(plan, arguments, ground));
+    }
+    show("stability", {{"scene", ground ? ground->scene : ""}, {"methods", std::move(methods)}}, arguments.output);
 }
 
 constexpr const char* stability_explanation =
