@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "api/c/boundary.hpp"
+#include "engine/base/provenance.hpp"
 #include "engine/base/text.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/channel/channels.hpp"
@@ -37,6 +38,16 @@ using Json = nlohmann::ordered_json;
     return rows;
 }
 
+/// Names of tasks::Kind, in the order of the enumerators.
+constexpr std::string_view kind_names[] = {"number", "automatic",   "integer",    "choice",      "truth",
+                                           "text",   "number_list", "time_table", "speed_table", "text_list"};
+
+/// Version and commit of the library.
+[[nodiscard]] Json build() {
+    const engine::Provenance here = engine::current_provenance();
+    return {{"version", here.version}, {"commit", here.commit}, {"date", here.commit_date}};
+}
+
 /// A value as TOML is JSON as well.
 [[nodiscard]] Json keys() {
     const tasks::Scene defaults;
@@ -44,6 +55,7 @@ using Json = nlohmann::ordered_json;
     for (const tasks::Parameter& row : tasks::parameter_table()) {
         const bool number = !row.unit.empty();
         rows.push_back({{"name", row.key},
+                        {"kind", kind_names[static_cast<int>(row.kind())]},
                         {"unit", row.unit},
                         {"range", number ? Json{row.min, row.max} : Json()},
                         {"default", Json::parse(tasks::value_text(row, defaults))},
@@ -86,22 +98,35 @@ using Json = nlohmann::ordered_json;
     return rows;
 }
 
-/// "quantities": name of the quantity by unit. "shown": the unit in which people read a quantity, the first row that applies.
+/// A unit's exponents of kg, m, s and rad; null for one with halves.
+[[nodiscard]] Json exponents_of(std::string_view unit) {
+    const std::string_view same = unit == "J" ? "N*m" : unit == "W" ? "N*m/s" : unit;  // units of channels that scenes do not have
+    const tasks::Dimension d = tasks::dimension_of(same);
+    if ((d.mass | d.length | d.time | d.angle) % 2 != 0) return {};
+    return {{"kg", d.mass / 2}, {"m", d.length / 2}, {"s", d.time / 2}, {"rad", d.angle / 2}};
+}
+
+/// "quantities": name of the quantity by unit. "exponents", "usual": by SI unit. "shown": the unit in which people read a quantity, the
+/// first row that applies.
 [[nodiscard]] Json units() {
     std::set<std::string_view> si;
     for (const tasks::Channel& row : tasks::channels()) si.insert(row.unit);
     for (const tasks::Parameter& row : tasks::parameter_table()) si.insert(row.unit);
-    Json quantities = Json::object(), usual = Json::object(), shown = Json::array();
+    Json quantities = Json::object(), usual = Json::object(), exponents = Json::object(), shown = Json::array();
     for (const std::string_view unit : si) {
         if (unit.empty()) continue;
         quantities[std::string(unit)] = tasks::dimension_name(tasks::dimension_of(unit));
         usual[std::string(unit)] = tasks::usual_units(unit);
+        exponents[std::string(unit)] = exponents_of(unit);
     }
     for (const tasks::DisplayRow& row : tasks::display_rows()) {
         if (row.si != "1") quantities[std::string(row.shown)] = tasks::dimension_name(tasks::dimension_of(row.si));
         shown.push_back({{"unit", row.si}, {"part", row.part}, {"shown", row.shown}, {"factor", row.factor}});
     }
-    return {{"quantities", std::move(quantities)}, {"usual", std::move(usual)}, {"shown", std::move(shown)}};
+    return {{"quantities", std::move(quantities)},
+            {"usual", std::move(usual)},
+            {"exponents", std::move(exponents)},
+            {"shown", std::move(shown)}};
 }
 
 /// "text" is null for a scene that cannot be read.
@@ -142,10 +167,9 @@ using Json = nlohmann::ordered_json;
 }
 
 constexpr std::pair<std::string_view, Json (*)()> subjects[] = {
-    {"codes", codes},   {"exit_statuses", exit_statuses},
-    {"keys", keys},     {"channels", channels},
-    {"inputs", inputs}, {"notes", notes},
-    {"units", units},   {"scenes", scenes},
+    {"build", build},   {"codes", codes},       {"exit_statuses", exit_statuses},
+    {"keys", keys},     {"channels", channels}, {"inputs", inputs},
+    {"notes", notes},   {"units", units},       {"scenes", scenes},
     {"levels", levels}, {"methods", methods},
 };
 

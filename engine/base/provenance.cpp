@@ -55,6 +55,7 @@ std::string utc_now() {
 Provenance current_provenance() {
     return {.version = CVTFLOW_VERSION,
             .commit = CVTFLOW_COMMIT,
+            .commit_date = CVTFLOW_COMMIT_DATE,
             .compiler = CVTFLOW_COMPILER,
             .build_type = CVTFLOW_BUILD_TYPE,
             .instruction_set = instruction_set(),

@@ -8,6 +8,7 @@ namespace cvtflow::engine {
 struct Provenance {
     std::string version;          ///< version of cvtflow, "0.2.0"
     std::string commit;           ///< `git describe --always --dirty` when the build was configured, or "unknown"
+    std::string commit_date;      ///< UTC, ISO 8601; empty: unknown
     std::string compiler;         ///< "GNU 12.2.0"
     std::string build_type;       ///< "Release"
     std::string instruction_set;  ///< the widest the compiler was allowed to use: "avx512", "avx2", "avx", "sse2", "neon" or "unknown"

@@ -1,19 +1,15 @@
 """FMUs in a second importer that others wrote, FMI Library (fmu_importer.c). Exit status 77: its source was not there when tests were built."""
 
-import concurrent.futures
 import os
-import pathlib
 import struct
 import subprocess
 import sys
 import tempfile
 import unittest
-import xml.etree.ElementTree
-import zipfile
 
 import cvtflow
 
-PROGRAM, COMPILER, IMPORTER = (os.environ.get(f"CVTFLOW_{name}", "") for name in ("PROGRAM", "CXX", "FMU_IMPORTER"))
+PROGRAM, IMPORTER = (os.environ.get(f"CVTFLOW_{name}", "") for name in ("PROGRAM", "FMU_IMPORTER"))
 if not IMPORTER:
     print("skipped: no source of FMI Library (-DCVTFLOW_PEERS=folder with fmi-library)")
     sys.exit(77)
@@ -23,17 +19,10 @@ def export(file, scene, version, *more):
     subprocess.run([PROGRAM, "export-fmu", scene, "-o", file, "--force", "-q", "--fmi", str(version), *more], check=True)
 
 
-def imported(file, steps, length, change, names, binary=None):
-    """Values of the variables after every step, and what was written to standard error.
-
-    change: name and value of the input that is set half-way; binary: a file that replaces the FMU's library
-    """
+def imported(file, steps, length, change, names):
+    """Values of the variables after every step, and what was written to standard error. change: name and value of the input that is set
+    half-way"""
     with tempfile.TemporaryDirectory() as folder:
-        if binary:
-            with zipfile.ZipFile(file) as parts, zipfile.ZipFile(f"{folder}/other.fmu", "w") as other:
-                for name in parts.namelist():
-                    other.writestr(name, pathlib.Path(binary).read_bytes() if name.endswith(".so") else parts.read(name))
-            file = f"{folder}/other.fmu"
         os.mkdir(f"{folder}/inside")
         done = subprocess.run([IMPORTER, file, f"{folder}/inside", str(steps), repr(length), *map(str, change), *names], capture_output=True, text=True)
     if done.returncode != 0:
@@ -90,33 +79,6 @@ class FmiLibrary(unittest.TestCase):
                 self.assertEqual((flags[0], flags[-1]), (False, True))
                 self.assertEqual(said.count("do_step: status 1"), 1, said)
                 self.assertIn("log: status 1, logStatusWarning: unreliable: the residual of the energy balance", said)
-
-    def test_the_library_made_of_its_sources_gives_its_bits(self):
-        names, files = ["ratio", "shaft_1.angle"], {}
-        for version in (2, 3):
-            export(self.file, "tiny", version, "--sources", "--outputs", "ratio,shaft_1/angle")
-            folder = f"{self.folder.name}/{version}"
-            with zipfile.ZipFile(self.file) as parts:
-                parts.extractall(folder)
-            description = xml.etree.ElementTree.parse(f"{folder}/{'modelDescription' if version == 2 else 'sources/buildDescription'}.xml")
-            files[version] = [row.get("name") for row in description.iter("File" if version == 2 else "SourceFile")]
-            self.assertEqual(sorted(files[version]), sorted(f"groups/{name}" for name in os.listdir(f"{folder}/sources/groups")))
-        # The words of build.txt, not optimised and two files at a time: minutes less.
-        words = pathlib.Path(folder, "sources/build.txt").read_text().split()
-        self.assertEqual([word for word in words if word.endswith(".cpp")], files[3])
-        options = [word for word in words if not word.endswith(".cpp") and word not in ("-O3", "-shared")] + ["-O0"]
-
-        def compiled(name):
-            made = subprocess.run([COMPILER, *options, "-c", name, "-o", f"{name}.o"], cwd=f"{folder}/sources", capture_output=True, text=True)
-            return made.stderr if made.returncode else ""
-
-        with concurrent.futures.ThreadPoolExecutor(2) as pool:
-            self.assertEqual([said for said in pool.map(compiled, files[3]) if said], [])
-        library = f"{folder}/of_sources.so"
-        subprocess.run([COMPILER, "-shared", *(f"{name}.o" for name in files[3]), "-o", library], cwd=f"{folder}/sources", check=True)
-        expected, _ = imported(self.file, 20, 1e-5, ("load_torque", 9.5), names)
-        rows, _ = imported(self.file, 20, 1e-5, ("load_torque", 9.5), names, library)
-        self.assertEqual(rows, expected)
 
 
 if __name__ == "__main__":

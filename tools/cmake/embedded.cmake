@@ -1,6 +1,5 @@
-# Embeds licences, and the icon of FMUs (fmu_icon.png by rsvg-convert -w 100), into the program.
-set(files ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/api/python/cvtflow/page/licenses.txt
-  ${PROJECT_SOURCE_DIR}/tools/program/command/record/fmu_icon.svg ${PROJECT_SOURCE_DIR}/tools/program/command/record/fmu_icon.png)
+# Embeds licences into the program.
+set(files ${PROJECT_SOURCE_DIR}/api/python/cvtflow/page/licenses.txt)
 set(CVTFLOW_EMBEDDED_DATA "")
 set(CVTFLOW_EMBEDDED_ROWS "")
 foreach(file ${files})

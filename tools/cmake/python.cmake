@@ -18,6 +18,7 @@ list(FILTER python_files EXCLUDE REGEX "__pycache__")
 foreach(file ${python_files})
   configure_file(${PROJECT_SOURCE_DIR}/api/python/cvtflow/${file} ${python_package}/${file} COPYONLY)
 endforeach()
+configure_file(${PROJECT_SOURCE_DIR}/LICENSE ${python_package}/fmu/LICENSE COPYONLY)   # FMUs contain it
 cmake_path(SET python_modules NORMALIZE ${python_prefix}/${CVTFLOW_PYTHON_DIR})
 if(NOT IS_SYMLINK ${PROJECT_BINARY_DIR}/python)
   file(REMOVE_RECURSE ${PROJECT_BINARY_DIR}/python)   # the module's folder of earlier versions
@@ -30,4 +31,5 @@ function(cvtflow_install_package)
     cmake_path(GET file PARENT_PATH folder)
     install(FILES ${PROJECT_SOURCE_DIR}/api/python/cvtflow/${file} DESTINATION ${CVTFLOW_PYTHON_DIR}/cvtflow/${folder})
   endforeach()
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CVTFLOW_PYTHON_DIR}/cvtflow/fmu)
 endfunction()

@@ -51,6 +51,5 @@ Action declare_list(CLI::App& app);
 Action declare_explain(CLI::App& app);
 Action declare_schema(CLI::App& app);
 Action declare_tune(CLI::App& app);
-Action declare_export_fmu(CLI::App& app);
 
 }  // namespace cvtflow::tools

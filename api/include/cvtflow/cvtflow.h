@@ -148,7 +148,7 @@ typedef int (*cvtflow_transition_function)(cvtflow_simulation* simulation, const
 
 CVTFLOW_API const char* cvtflow_version(void);              /* "0.4.0" */
 CVTFLOW_API const char* cvtflow_code_name(int32_t code);    /* "cancelled"; "unknown" for a number that is no code */
-/* What the library knows, as JSON in UTF-8: what is "codes", "exit_statuses" (of the program), "keys" (of scenes, with unit, range, default,
+/* What the library knows, as JSON in UTF-8: what is "build" (version, commit, its date), "codes", "exit_statuses" (of the program), "keys" (of scenes, with unit, range, default,
  * source), "channels", "inputs", "notes" (on unusual results), "units", "scenes" (ready ones), "levels" (of detail), "methods"; NULL: an object
  * of all of them. Numbers are in SI units. */
 CVTFLOW_API cvtflow_code cvtflow_describe(const char* what, char* text, size_t* size, cvtflow_message* message);

@@ -8,7 +8,7 @@ import importlib.util
 import os
 import sys
 
-COMMANDS = {"plot": "plot", "report": "report"}  # module of commands/ by name
+COMMANDS = {"plot": "plot", "report": "report", "export-fmu": "export_fmu"}  # module of commands/ by name
 
 
 def _load_package():

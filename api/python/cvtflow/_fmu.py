@@ -160,7 +160,7 @@ def terminals(groups):
 def page(title, paragraphs, variables):
     """documentation/index.html as bytes: paragraphs of HTML, and a table of the variables."""
     rows = "\n".join(f"<tr><td>{escape(row.name)}</td><td>{'output, Boolean' if row.kind == 'flag' else row.kind}</td>"
-                     f"<td>{'' if row.unit == '1' else escape(row.unit)}</td><td>{escape(row.description)}</td></tr>" for row in variables)
+                     f"<td>{'' if row.unit == '1' else escape(row.unit)}</td><td>{escape(row.description, quote=False)}</td></tr>" for row in variables)
     words = "\n".join(f"<p>{each}</p>" for each in paragraphs)
     return (f'<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8"><title>{escape(title)}</title></head>\n<body>\n'
             f"<h1>{escape(title)}</h1>\n{words}\n<table><caption>Variables</caption><thead><tr><th>name</th><th>causality</th><th>unit</th>"

@@ -1,17 +1,17 @@
 """The reduced model in C (reduced.c): its variables, its table, its FMUs. A C compiler makes them."""
 
 import ctypes
-import io
 import math
 import os
 import shutil
 import subprocess
 import tempfile
 import uuid
-import zipfile
-from xml.sax.saxutils import quoteattr
+from html import escape
 
 import numpy as np
+
+from . import _fmu
 
 VALUES = ("thrust", "slip", "loss", "shift", "tips", "tight", "slack", "limit")  # of a point of the map, as reduced.c numbers them
 # Enumerator in C, name, unit, causality, start value (None: of the map), meaning.
@@ -46,8 +46,8 @@ VARIABLES = [
     ("OUTSIDE", "outside", "1", "output", None, "sum of what is outside the map, whose edge counts: 1 ratio, 2 load, 4 clamping, 8 speed"),
     ("TIME", "time", "s", "independent", None, "time"),
 ]
-_UNITS = {"rad/s": 'rad="1" s="-1"', "N.m": 'kg="1" m="2" s="-2"', "N": 'kg="1" m="1" s="-2"', "kg.m2": 'kg="1" m="2"', "s": 's="1"',
-          "W": 'kg="1" m="2" s="-3"', "1": ""}
+_UNITS = {"rad/s": {"rad": 1, "s": -1}, "N.m": {"kg": 1, "m": 2, "s": -2}, "N": {"kg": 1, "m": 1, "s": -2}, "kg.m2": {"kg": 1, "m": 2},
+          "s": {"s": 1}, "W": {"kg": 1, "m": 2, "s": -3}}
 _SOURCE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "reduced.c")
 
 
@@ -117,54 +117,22 @@ class Small:
 
     def fmu(self, name, fmi, description):
         """The bytes of an FMU for co-simulation, and the systems that it has libraries for."""
-        systems = {("x86_64-linux", "linux64", ".so"): "cc", ("x86_64-windows", "win64", ".dll"): "x86_64-w64-mingw32-gcc"}
-        place, made, content = "sources/", [], io.BytesIO()
-        with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as file:
-            file.writestr("modelDescription.xml", self._description(name, fmi, description))
-            for (new, old, ending), compiler in systems.items():
-                if compiler == "cc" or shutil.which(compiler):
-                    file.writestr(f"binaries/{new if fmi == 3 else old}/{name}{ending}", self.compiled(fmi, compiler))
-                    made.append(new)
-            with open(_SOURCE, encoding="utf-8") as source:
-                file.writestr(place + "reduced.c", source.read().replace('#include "map.h"', f'#define FMI {fmi}\n#include "map.h"'))
-            file.writestr(place + "map.h", self.header)
-            if fmi == 3:
-                file.writestr(place + "buildDescription.xml", '<?xml version="1.0" encoding="UTF-8"?>\n'
-                              f'<fmiBuildDescription fmiVersion="3.0"><BuildConfiguration modelIdentifier="{name}">'
-                              '<SourceFileSet language="C99"><SourceFile name="reduced.c"/>'
-                              '</SourceFileSet></BuildConfiguration></fmiBuildDescription>\n')
-            file.writestr("documentation/index.html", "<!DOCTYPE html><meta charset=\"utf-8\"><title>Reduced variator</title><pre>"
-                          + description.replace("&", "&amp;").replace("<", "&lt;") + "</pre>\n")
-        return content.getvalue(), made
-
-    def _description(self, name, fmi, description):
-        rows, outputs = [], []
-        for number, ((_, variable, unit, causality, _, meaning), start) in enumerate(zip(VARIABLES, self.start)):
-            variability = {"parameter": "fixed"}.get(causality, "continuous")
-            about = f'name="{variable}" valueReference="{number}" causality="{causality}" variability="{variability}"'
-            real = f' unit="{unit}"' + (f' start="{start:.9g}"' if causality in ("input", "parameter") else "")
-            text = quoteattr(meaning)
-            initial = {"parameter": ' initial="exact"', "output": ' initial="calculated"' * (fmi == 2)}.get(causality, "")
-            if fmi == 3:
-                rows.append(f"<Float64 {about} description={text}{real}{initial}/>")
-            else:
-                rows.append(f"<ScalarVariable {about} description={text}{initial}><Real{real}/></ScalarVariable>")
-            if causality == "output":
-                outputs.append(f'<Output valueReference="{number}"/>' if fmi == 3 else f'<Unknown index="{number + 1}"/>')
-        units = "".join(f'<Unit name="{unit}"><BaseUnit {exponents}/></Unit>' for unit, exponents in _UNITS.items())
-        listed = "".join(outputs)
-        identity = f'{"instantiationToken" if fmi == 3 else "guid"}="{self.identity}"'
-        kind = (f'<CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" '
-                f'{"canGetAndSetFMUState" if fmi == 3 else "canGetAndSetFMUstate"}="true"')
-        source = "/>" if fmi == 3 else '><SourceFiles><File name="reduced.c"/></SourceFiles></CoSimulation>'
-        structure = listed if fmi == 3 else f"<Outputs>{listed}</Outputs><InitialUnknowns>{listed}</InitialUnknowns>"
+        rows = [_fmu.Variable("time" if kind == "independent" else kind, variable, unit, meaning, start=start)
+                for (_, variable, unit, kind, _, meaning), start in zip(VARIABLES, self.start)]
+        model = _fmu.Model(name, name, self.identity, description, rows, {unit: (powers, {}) for unit, powers in _UNITS.items()}, "cvtflow",
+                           1.0, 1e-3, capabilities=("canHandleVariableCommunicationStepSize", "canGetAndSetFMUState"), sources=("reduced.c",))
+        parts, made = {"modelDescription.xml": _fmu.model_description(model, fmi)}, []
+        for system, compiler in (("Linux", "cc"), ("Windows", "x86_64-w64-mingw32-gcc")):
+            if compiler == "cc" or shutil.which(compiler):
+                parts[_fmu.library_place(system, name, fmi)] = self.compiled(fmi, compiler)
+                made.append(_fmu.SYSTEMS[system][0][3])
+        with open(_SOURCE, encoding="utf-8") as source:
+            parts["sources/reduced.c"] = source.read().replace('#include "map.h"', f'#define FMI {fmi}\n#include "map.h"')
+        parts["sources/map.h"] = self.header
         if fmi == 3:
-            structure += listed.replace("<Output ", "<InitialUnknown ")
-        return (f'<?xml version="1.0" encoding="UTF-8"?>\n<fmiModelDescription fmiVersion="{fmi}.0" modelName="{name}" {identity} '
-                f'generationTool="cvtflow" description={quoteattr(description)}>\n{kind}{source}\n'
-                f"<UnitDefinitions>{units}</UnitDefinitions>\n" + '<DefaultExperiment startTime="0" stopTime="1" stepSize="0.001"/>\n'
-                + "<ModelVariables>\n" + "\n".join(rows) + f"\n</ModelVariables>\n<ModelStructure>{structure}</ModelStructure>\n"
-                + "</fmiModelDescription>\n")
+            parts["sources/buildDescription.xml"] = _fmu.build_description(model)
+        parts["documentation/index.html"] = _fmu.page("Reduced variator", [f"<pre>{escape(description)}</pre>"], rows)
+        return _fmu.packed(parts), made
 
 
 class Model:
