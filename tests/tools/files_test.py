@@ -317,7 +317,7 @@ class Replacement(_Files):
     def test_reports_a_limit_of_file_sizes_as_an_error(self):
         self.cvtflow("report own.h5")
         before = files()
-        self.has(self.shell('ulimit -f 8; "$CVTFLOW" report own.h5', 1).stderr, "cannot write the request to Python: File too large")
+        self.has(self.shell('ulimit -f 8; "$CVTFLOW" report own.h5', 1).stderr, "own.html: cannot write: File too large")
         self.assertEqual(files(), before)
         self.has(self.shell(f'ulimit -f 8; "$CVTFLOW" run tiny -o big.h5 {RUN}', 1).stderr, "File too large")
 

@@ -5,6 +5,7 @@ import json
 import os
 import pty
 import re
+import runpy
 import subprocess
 from pathlib import Path
 
@@ -222,6 +223,15 @@ class Commands(Program):
         self.assertTrue(version.startswith("cvtflow "))
         self.has(version, "\nbuilt with ", "\nrunning on ")
         self.assertIn("chain", json.loads(self.out("schema"))["properties"])
+
+    def test_of_python_say_in_their_help_what_the_list_of_commands_says(self):
+        """And their help, which completion is made of, needs no package."""
+        listed, package = self.out("--help"), BUILD / "python/cvtflow/__main__.py"
+        for name in runpy.run_path(str(package))["COMMANDS"]:
+            shown = subprocess.run(["/usr/bin/python3", "-I", "-S", "-B", "-X", "importtime", package, name, "--help"],
+                                   capture_output=True, text=True)
+            self.matches(listed, f"\n  {name} +{re.escape(shown.stdout.splitlines()[0])}\n")
+            self.lacks(shown.stderr, "numpy", "ctypes")
 
     def test_take_an_instruction_set_before_or_after_their_name(self):
         for line in ("--isa baseline run tiny", "run tiny --isa baseline"):

@@ -41,8 +41,6 @@ Action declare_batch(CLI::App& app);
 Action declare_table(CLI::App& app);
 Action declare_merge(CLI::App& app);
 Action declare_diff(CLI::App& app);
-Action declare_reduce(CLI::App& app);
-Action declare_clamp(CLI::App& app);
 Action declare_settle(CLI::App& app);
 Action declare_check(CLI::App& app);
 Action declare_info(CLI::App& app);

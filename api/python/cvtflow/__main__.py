@@ -8,14 +8,15 @@ import importlib.util
 import os
 import sys
 
-COMMANDS = {"plot": "plot", "report": "report", "export-fmu": "export_fmu"}  # module of commands/ by name
+COMMANDS = {"plot": "plot", "report": "report", "export-fmu": "export_fmu", "reduce": "reduce", "clamp": "clamp"}  # module of commands/ by name
 
 
 def _load_package():
     """Loads the package of this folder as `cvtflow`."""
     here = os.path.dirname(os.path.abspath(__file__))
     spec = importlib.util.spec_from_file_location("cvtflow", os.path.join(here, "__init__.py"), submodule_search_locations=[here])
-    sys.modules["cvtflow"] = importlib.util.module_from_spec(spec)  # executed by _front.library(), by commands that step or read records
+    sys.modules["cvtflow"] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(sys.modules["cvtflow"])  # which imports next to nothing before a name of it is used
 
 
 if __name__ == "__main__":

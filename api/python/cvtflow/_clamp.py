@@ -7,7 +7,7 @@ import time
 import numpy as np
 
 from ._known import Misuse
-from ._reduce import SAFETY, Bench, Machine, Map, _good, axes_of, steady
+from ._reduce import SAFETY, Bench, Machine, Map, is_good, axes_of, steady
 from ._reduction import csv_text, efficiency, over_torque
 from ._small import Small
 
@@ -70,7 +70,7 @@ def _gains(bench, machine, model, rows, speed, level):
     thrust = np.array([model.values_at(*each)[0]["thrust"] for each in points])
     found = steady(bench, machine, f"confirm_{level}", points, thrust, bench.shorter_step() if level == bench.level else None, level)
     power = np.array([torque for _, torque, _ in forces]) * speed / found["ratio_mean"]
-    runs, good = power / (power + found["loss_total_mean"]), _good(found)
+    runs, good = power / (power + found["loss_total_mean"]), is_good(found)
     return [f"{100 * (runs[k] - runs[k + 1]):+.3f} at {level}" if good[k:k + 2].all() else f"not steady at {level}"
             for k in range(0, len(forces), 2)]
 
@@ -88,8 +88,8 @@ def _confirmed(bench, machine, model, rows, speed, axes):
                + ", ".join([f"{100 * (after - before):+.3f} points by the map", *filter(None, runs)]))
 
 
-def requested(request):
-    """Computes the table that the program requests. Returns what it prints."""
+def clamp(request):
+    """Computes the table that a command line requests. Returns its exit status and lines to print."""
     begin = time.monotonic()
     bench = Bench(request, ("clamping.csv", "clamping.svg"))
     machine, margin = Machine(bench.scene), request["margin"]
@@ -119,4 +119,4 @@ def requested(request):
              f"{100 * gains.max():+.3f}",
              *_confirmed(bench, machine, model, rows, speed, axes),
              f"written to {request['place']}: clamping.csv, clamping.svg, in {time.monotonic() - begin:.0f} s"]
-    return bench.made(lines)
+    return 0, lines

@@ -35,8 +35,7 @@ def detail_text(scene):
     pins = f"{scene['detail.pins']} pins" if scene["detail.pins"] != "halves" else f"{points} joint point{'s' if points > 1 else ''}"
     pulleys = "no" if scene["detail.pulleys"] == "absent" else scene["detail.pulleys"]
     plates = "every plate" if scene["detail.plates"] == "each" else "lumped plates"
-    slowed = "" if scene["detail.mass_scaling"] == 1 else f", mass scaling {scene['detail.mass_scaling']:g}"
-    dials = f"{plates}, {pins}, {pulleys} pulleys{slowed}"
+    dials = f"{plates}, {pins}, {pulleys} pulleys"
     friction = f"{scene['detail.friction']} friction{' with stick and slip' if scene['detail.stick_slip'] else ''}"
     level = level_text(scene)
     return f"{dials}; {friction}" if level == "own detail" else f"{level} ({dials}); {friction}"

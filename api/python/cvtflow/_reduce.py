@@ -8,12 +8,13 @@ import os
 import re
 import signal
 import subprocess
+import sys
 import time
 import tomllib
 
 import numpy as np
 
-from . import _known
+from . import Scene, Simulation, Sweep, Threads, _known
 from ._numbers import belt_radii
 
 SHARES = (0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.85, 0.95)  # of the torque limit
@@ -131,7 +132,7 @@ class Bench:
 
     def __init__(self, request, names=()):
         """names: of the files that write() will write."""
-        self.folder, self._program = (os.fsdecode(request[name].encode("latin-1")) for name in ("folder", "program"))
+        self.folder, self._program = request["folder"], request["program"]
         self.scene, self._threads = request["scene"], ["--threads", str(request["threads"])] * (request["threads"] > 0)
         self.level = request["detail"]
         self.runs = os.path.join(self.folder, "runs")
@@ -142,8 +143,8 @@ class Bench:
         os.makedirs(self.runs, exist_ok=True)
         for name in names:
             self._replaceable(name)
-        text = re.sub(r"(?m)^state = .*\n", "", request["text"])  # start.state has no effect, and its path is that of the installation
-        self.write("runs/scene.toml", f"# {self.level}\n{text}", kept=True)
+        self._text = re.sub(r"(?m)^state = .*\n", "", request["text"])  # start.state has no effect, and its path is that of the installation
+        self.write("runs/scene.toml", f"# {self.level}\n{self._text}", kept=True)
 
     def _content(self, name):
         """Bytes of a file of the folder; empty: there is none."""
@@ -184,32 +185,24 @@ class Bench:
         os.replace(part, os.path.join(self.folder, name))
 
     @staticmethod
-    def made(lines, incomplete=False):
-        """What the program receives: its exit status, and lines that it prints."""
-        return "\n".join([str(5 * incomplete), *lines, ""]).encode()
-
-    @staticmethod
     def report(line):
-        """Prints a line of progress on the program's stderr."""
-        if place := os.environ.get("CVTFLOW_PROGRESS"):
-            os.write(int(place), f"  {line}\n".encode())
+        """Prints a line of progress."""
+        print(f"  {line}", file=sys.stderr, flush=True)
 
     def call(self, *words, folder=None, shows=False):
-        """Output of the program. shows: its messages appear on the user's stderr. Raises RuntimeError with its message, unless rows state
-        what failed."""
-        place, death = os.environ.get("CVTFLOW_PROGRESS"), ctypes.CDLL(None).prctl
-        done = subprocess.run([self._program, *words], cwd=folder or self.runs, stdout=subprocess.PIPE, text=True,
-                              stderr=int(place) if shows and place else subprocess.PIPE,
+        """Runs the program. shows: its messages appear on the user's stderr. Raises RuntimeError with its message, unless rows state what
+        failed."""
+        death = ctypes.CDLL(None).prctl
+        done = subprocess.run([self._program, *words], cwd=folder or self.runs, stdout=subprocess.DEVNULL, text=True,
+                              stderr=None if shows else subprocess.PIPE,
                               preexec_fn=lambda: death(1, signal.SIGTERM))  # PR_SET_PDEATHSIG
         if done.returncode not in (0, 5, 6, 7, 8):
-            raise RuntimeError(f"cvtflow {' '.join(words[:2])}: {(done.stderr or f'status {done.returncode}').strip()}")
-        return done.stdout
+            raise ValueError(f"cvtflow {' '.join(words[:2])}: {(done.stderr or f'status {done.returncode}').strip()}")
 
     def shorter_step(self):
-        """Three fifths of the automatic step."""
-        text = self.call("check", "scene.toml", "--detail", self.level)
-        number, unit = re.search(r"step auto, ([\d.]+) (\w+) at the start", text).groups()
-        return f"{0.6 * float(number):g} {unit}"
+        """Three fifths of the automatic step at the start, as text."""
+        scene = Scene.parse(self._text).with_detail(self.level).with_('run.step="auto"')
+        return f"{0.6e6 * Simulation(scene, Threads.caller()).step_length:.4g} us"
 
     def compared(self, axes):
         """Levels of detail at which points are compared, each with their number: the map's, and fine where that is another."""
@@ -229,8 +222,6 @@ class Bench:
 
     def sweep(self, name, settings, rows, scalars, continued=False, detail=None):
         """Results of a sweep over rows (key: values) as arrays by column; runs what is missing."""
-        import h5py
-
         settings = {**_PLAIN, "detail.pulleys": self.scene["detail.pulleys"], **settings}  # which a level of detail would set
         lines = ["[sweep]", f"name = {json.dumps(name)}", 'scene = "scene.toml"', f"detail = {json.dumps(detail or self.level)}", "[set]",
                  *(f"{key} = {json.dumps(value)}" for key, value in settings.items()), "[[axes]]", f'csv = "{name}.csv"',
@@ -241,15 +232,10 @@ class Bench:
         self.write(f"runs/{name}.toml", "\n".join(lines) + "\n", kept=True)
         begin = time.monotonic()
         if not os.path.exists(os.path.join(self.runs, name)):
-            cost = re.search(r"(?m)^  estimate +(.*)", self.call("batch", f"{name}.toml", *self._threads, "--dry-run"))
-            self.report(f"{name:12} {len(next(iter(rows.values())))} cases: {cost[1]}")
+            self.report(f"{name:12} {len(next(iter(rows.values())))} cases")
         self.call("batch", f"{name}.toml", "-o", name, *self._threads, "--keep-going", shows=True)
-        with h5py.File(os.path.join(self.runs, name, "cases.h5")) as file:
-            cases = file["cases"][:]
-        cases = cases[np.argsort(cases["case"])]
-        found = {column: cases[column] if cases[column].dtype.kind in "fiu" else np.char.decode(cases[column].astype("S"), "utf-8")
-                 for column in cases.dtype.names}
-        self.report(f"{name:12} {len(cases)} cases in {time.monotonic() - begin:.0f} s, {np.sum(found['status'] == 'ok')} ok")
+        found = {column: np.array(values) for column, values in Sweep.results(os.path.join(self.runs, name)).items()}
+        self.report(f"{name:12} {len(found['case'])} cases in {time.monotonic() - begin:.0f} s, {np.sum(found['status'] == 'ok')} ok")
         return found
 
 
@@ -265,7 +251,7 @@ def steady(bench, machine, name, points, thrust=None, step=None, detail=None, se
     return bench.sweep(name, chosen, rows, SCALARS, continued=thrust is None, detail=detail)
 
 
-def _good(found):
+def is_good(found):
     """Steady cases without gross slip, and those whose means are known to 2.5 % when the limit of a steady case is reached."""
     slides = np.array(["gross_slip" in notes for notes in found["notes"]])
     known = np.maximum(*(found[f"error_of_{name}_mean"].astype(float) for name in ("loss_total", "shaft_1_clamping"))) <= 0.025
@@ -289,7 +275,7 @@ class Map:
                 if column in again:
                     found[column] = found[column].astype(object) if found[column].dtype.kind == "U" else found[column]
                     found[column][np.repeat(missing, loads)] = again[column]
-        self.points, self.found, self.good = points, found, _good(found)
+        self.points, self.found, self.good = points, found, is_good(found)
         driving, driven, speed = found["shaft_1_clamping_mean"], points[:, 2], points[:, 3]
         losses = {kind: sum(found[f"loss_{part}_mean"] for part in parts) for kind, parts in KINDS.items()}
         raw = {"thrust": driving / driven, "slip": found["slip_mean"], "loss": found["loss_total_mean"] / (speed * driven),

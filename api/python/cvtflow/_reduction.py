@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 
-from ._reduce import SAFETY, Bench, Law, Machine, Map, _good, axes_of, steady
+from ._reduce import SAFETY, Bench, Law, Machine, Map, is_good, axes_of, steady
 from ._small import Small
 
 # Scenes beside which the reduced model runs: name, settings, and a piece of the time that they take.
@@ -64,14 +64,14 @@ def measure_points(bench, machine, model, chosen, detail, errors):
     there = [model.values_at(*point)[0] for point in chosen]
     thrust = np.array([each["thrust"] for each in there])
     found = steady(bench, machine, f"points_{detail}", chosen, thrust, detail=detail)
-    good = _good(found)
+    good = is_good(found)
     again = found["status"] == "unreliable"
     if again.any() and detail == bench.level:
         more = steady(bench, machine, f"points_{detail}_again", np.array(chosen)[again], thrust[again], bench.shorter_step())
         for name, each in found.items():
             if name in more and each.dtype.kind != "U":
                 each[again] = more[name]
-        good[again] = _good(more)
+        good[again] = is_good(more)
     driven, speed = np.array(chosen)[:, 2:].T
     torque, drive = np.array([share * machine.limit(ratio, clamping) for ratio, share, clamping, _ in chosen]), []
     for (ratio, _, clamping, omega), load in zip(chosen, torque):
@@ -210,8 +210,8 @@ def _speed_factor(model, small):
     return 1000.0 / (time.process_time() - begin)
 
 
-def requested(request):
-    """Reduces the machine that the program requests. Returns what it prints."""
+def reduce(request):
+    """Reduces the machine that a command line requests. Returns its exit status and lines to print."""
     begin, files = time.monotonic(), [f"{request['name']}_fmi{fmi}.fmu" for fmi in (2, 3)]
     bench = Bench(request, ["map.csv", "map.mat", "combi_table.txt", "advisor.m", "map.svg", "errors.txt", *files])
     machine = Machine(bench.scene)
@@ -259,7 +259,7 @@ def requested(request):
     lines.append(f"written to {request['place']}: {', '.join(written)} and the FMUs, in {time.monotonic() - begin:.0f} s")
     for missing in errors.missing:
         print(missing, file=sys.stderr)
-    return bench.made(lines, len(errors.missing) > 0)
+    return 5 if errors.missing else 0, lines
 
 
 def _identifier(name):

@@ -20,10 +20,6 @@ def made(request):
         from . import _loads
 
         return _loads.requested(request, records(request)[0])
-    if request["command"] in ("reduce", "clamp"):
-        from . import _clamp, _reduction
-
-        return (_reduction if request["command"] == "reduce" else _clamp).requested(request)
     from . import _figures
 
     _figures.in_notebooks = False

@@ -104,14 +104,6 @@ def require(command, *modules):
                           f"{' '.join(DEBIAN[name] for name in missing)})")
 
 
-def library():
-    """The whole package, with the library that knows scenes, units and records."""
-    package = sys.modules["cvtflow"]
-    if not hasattr(package, "Scene"):
-        package.__spec__.loader.exec_module(package)
-    return package
-
-
 def matplotlib():
     """Makes Matplotlib draw the same for every user: with its own fonts alone, and no settings but the package's."""
     folder = tempfile.mkdtemp(prefix="cvtflow-")

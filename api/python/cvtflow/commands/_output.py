@@ -164,11 +164,14 @@ class Output:
             raise OutputError(f"{path}: already exists and is write-protected; --force replaces it")
 
     def _require_part(self):
-        """Refuses the .part of another file. One that is being written is noticed when it is locked."""
+        """Refuses the .part of another file, but for one without contents, or of zeros, as a power cut leaves it. One that is being written
+        is noticed when it is locked."""
         part = self.path + ".part"
-        if self._force or not os.path.exists(part) or os.path.getsize(part) == 0:
+        if self._force or not os.path.exists(part):
             return
-        if not self._own(part):
+        with open(part, "rb") as file:
+            blank = not file.read(4096).strip(b"\0")
+        if not blank and not self._own(part):
             raise OutputError(f"{part}: already exists and is not a {self._what}; --force replaces it")
 
     def write(self, data):

@@ -8,7 +8,7 @@ import re
 import time
 from html import escape
 
-from ._front import FORCE, UsageError, library, require, say, visible
+from ._front import FORCE, UsageError, require, say, visible
 from ._output import Output, with_marks
 from ._scenes import declare_scene, load
 
@@ -287,7 +287,6 @@ def fmu(scene, simulation, given, libraries):
 
 def act(given):
     require("export-fmu", "numpy")
-    library()
     from .. import Simulation, Threads
 
     scene = load(given, SHORTCUTS, given.quiet)

@@ -2,7 +2,7 @@
 
 import os
 
-from ._front import FORCE, SI, UsageError, file_or_result, library, matplotlib, require
+from ._front import FORCE, SI, UsageError, file_or_result, matplotlib, require
 from ._output import Output, inputs_of, mark_of, marked_output, picture_path, report_written, require_no_input
 
 DESCRIPTION = "Draw records or a sweep: curves, orders, losses, maps; SVG, PNG or CSV"
@@ -97,7 +97,6 @@ def act(given):
     inputs = inputs_of([*files, given.measured])
     require_no_input(path, inputs)
     matplotlib()
-    library()
     from .. import _figures
     from . import _inputs
 

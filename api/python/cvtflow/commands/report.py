@@ -1,6 +1,6 @@
 """`cvtflow report`: a page of records or of sweeps."""
 
-from ._front import FORCE, SI, UsageError, file_or_result, library, matplotlib, require, say, visible
+from ._front import FORCE, SI, UsageError, file_or_result, matplotlib, require, say, visible
 from ._output import inputs_of, mark_of, marked, marked_output, picture_path, require_no_input
 
 DESCRIPTION = "Write a self-contained HTML page of records or a sweep: curves, the running chain, tables"
@@ -38,7 +38,6 @@ def act(given):
     inputs = inputs_of([*given.files, given.measured])
     require_no_input(path, inputs)
     matplotlib()
-    library()
     from .. import _figures, pages
     from .._courses import name_of
     from . import _inputs
