@@ -241,7 +241,7 @@ cvtflow_code cvtflow_input_describe(int32_t input, cvtflow_channel_info* info, c
 cvtflow_code cvtflow_energy_get(const cvtflow_simulation* simulation, cvtflow_energy* energy) {
     return act(simulation, nullptr, [&](const Simulation& s) {
         const Energy now = s.energy();
-        api::fill_versioned(energy, "energy", {sizeof *energy, now.reliable ? 1 : 0, now.residual, now.dissipated, now.suspicion});
+        api::fill_versioned(energy, "energy", {sizeof *energy, now.reliable ? 1 : 0, now.residual, now.dissipated, now.error_ratio});
     });
 }
 

@@ -189,7 +189,7 @@ const Channel table[] = {
      of_control},
     {"control/error", "1", "deviation from that target", control_error, of_control},
     {"balance/residual", "1", "|change of stored energy - work + losses| over the losses so far", residual, any_machine | so_far},
-    {"balance/suspicion", "1", "residual of the energy balance over its tolerance; above 1 the results are unreliable", balance_error_ratio,
+    {"balance/error_ratio", "1", "residual of the energy balance over its tolerance; above 1 the results are unreliable", balance_error_ratio,
      any_machine | so_far},
     {"run/steps", "1", "steps so far", Read(count, &Counters::steps), any_machine | so_far},
     {"run/evaluations", "1", "evaluations of the right-hand side so far", Read(count, &Counters::evaluations), any_machine | so_far},

@@ -283,7 +283,7 @@ void RunRecorder::finish(const Simulation& simulation, RunReport& report, double
         file_->set_status("cycle_missed: " + report.cycle_miss.text(report.whole));
     file_->set_attribute({"energy_residual", report.energy.residual()});
     file_->set_attribute({"energy_residual_relative", report.energy.relative()});
-    file_->set_attribute({"energy_suspicion", report.balance_error_ratio});
+    file_->set_attribute({"energy_error_ratio", report.balance_error_ratio});
     std::string notes, texts;
     for (const Note& note : report.notes) {
         notes += (notes.empty() ? "" : "; ") + std::string(note.name);

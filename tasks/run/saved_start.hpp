@@ -15,7 +15,7 @@ namespace cvtflow::tasks {
 /// Attribute of records and states with the step in use at their end [s]; "step" of a record is run.step, 0: automatic.
 inline constexpr std::string_view step_taken_attribute = "step_taken";
 /// Attribute with the error of the energy balance (EnergyLedger::balance_error_ratio): a run from a wrong state has wrong results.
-inline constexpr std::string_view balance_error_ratio_attribute = "energy_suspicion";
+inline constexpr std::string_view balance_error_ratio_attribute = "energy_error_ratio";
 /// Attribute of states with a ledger: its numbers. A state without it is of a program whose ledger lacked the loss of guides.
 inline constexpr std::string_view ledger_size_attribute = "ledger_size";
 /// balance_error_ratio_attribute's value; 0 if absent.

@@ -52,7 +52,7 @@ void visit_fields(State& state, Visitor& visitor) {
     visitor("begin", state.begin);
     visitor("output_interval", state.output_interval);
     visitor("step", state.step);
-    visitor("settling_suspicion", state.settling_balance_error_ratio);
+    visitor("settling_error_ratio", state.settling_balance_error_ratio);
     visitor("settling_residual", state.settling_residual);
     visitor("grid_number", state.grid_number);
     visitor("grid_steps", state.grid_steps);

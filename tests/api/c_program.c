@@ -172,7 +172,7 @@ static void check_callbacks(cvtflow_simulation* simulation) {
     CHECK(calls.outputs == 3);
     CHECK(cvtflow_counters_get(simulation, &counters) == CVTFLOW_OK && counters.steps > 100);
     cvtflow_energy energy = CVTFLOW_INIT(cvtflow_energy);
-    CHECK(cvtflow_energy_get(simulation, &energy) == CVTFLOW_OK && energy.reliable == 1 && energy.suspicion <= 1.0);
+    CHECK(cvtflow_energy_get(simulation, &energy) == CVTFLOW_OK && energy.reliable == 1 && energy.error_ratio <= 1.0);
     CHECK(cvtflow_on_output(simulation, 1.0, NULL, NULL, &message) == CVTFLOW_OK);
     CHECK(cvtflow_on_transition(simulation, NULL, NULL, &message) == CVTFLOW_OK);
     cvtflow_cancel(simulation);

@@ -190,7 +190,7 @@ TEST(SharedLibrary, StructsKeepTheirLayout) {
     EXPECT_EQ(offsetof(cvtflow_message, text), 8u);
     EXPECT_EQ(sizeof(cvtflow_options), 16u);
     EXPECT_EQ(sizeof(cvtflow_energy), 32u);
-    EXPECT_EQ(offsetof(cvtflow_energy, suspicion), 24u);
+    EXPECT_EQ(offsetof(cvtflow_energy, error_ratio), 24u);
     EXPECT_EQ(sizeof(cvtflow_counters), 48u);
     EXPECT_EQ(offsetof(cvtflow_counters, suppressed), 40u);
     EXPECT_EQ(sizeof(cvtflow_channel_info), 40u);

@@ -74,7 +74,7 @@ class Recordings(Folder):
             np.testing.assert_array_equal(record[name], there[name], err_msg=name)
         np.testing.assert_array_equal(record.states.unknowns, there.states.unknowns)
         np.testing.assert_array_equal(record.transitions, there.transitions)
-        for name in ("energy_suspicion", "state_hash", "method", "step_taken"):
+        for name in ("energy_error_ratio", "state_hash", "method", "step_taken"):
             self.assertEqual(record.attributes[name], there.attributes[name])
         self.assertGreater(record.attributes["wall_seconds"], 0.0)
         self.assertEqual(record.channels["slip"][-1], simulation.channels["slip"])

@@ -111,7 +111,7 @@ typedef struct cvtflow_energy {
     int32_t reliable;  /* 0: results are wrong, take a shorter step or run.step = "auto" */
     double residual;   /* change of the stored energy - work of the inputs + losses [J] */
     double dissipated; /* [J] */
-    double suspicion;  /* |residual| over what an honest integration may leave; above 1 unreliable */
+    double error_ratio; /* |residual| over what an honest integration may leave; above 1 unreliable */
 } cvtflow_energy;
 
 /* Strings live as long as the library is loaded. */

@@ -73,8 +73,8 @@ struct Energy {
     double residual = 0.0;    ///< change of the stored energy - work of the inputs + losses [J]
     double dissipated = 0.0;  ///< [J]
     /// |residual| over its tolerance: the largest of settling, of windows of 2 ms and of the whole run
-    double suspicion = 0.0;
-    bool reliable = true;  ///< suspicion ≤ 1; else results are wrong: use a shorter step, or run.step = "auto"
+    double error_ratio = 0.0;
+    bool reliable = true;  ///< error_ratio ≤ 1; else results are wrong: use a shorter step, or run.step = "auto"
     bool operator==(const Energy&) const = default;
 };
 

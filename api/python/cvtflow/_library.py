@@ -66,13 +66,13 @@ class Counters(Versioned):
 
 class Energy(Versioned):
     """Energy balance: residual, the change of the stored energy less the work of the inputs plus losses [J]; dissipated energy [J];
-    suspicion, the residual over its tolerance [1]; reliable, whether that is at most 1: else results are wrong."""
+    error_ratio, the residual over its tolerance [1]; reliable, whether that is at most 1: else results are wrong."""
 
-    _fields_ = [("size", c_uint32), ("_reliable", c_int32), ("residual", c_double), ("dissipated", c_double), ("suspicion", c_double)]
+    _fields_ = [("size", c_uint32), ("_reliable", c_int32), ("residual", c_double), ("dissipated", c_double), ("error_ratio", c_double)]
 
     @property
     def reliable(self) -> bool:
-        """`suspicion` <= 1"""
+        """`error_ratio` <= 1"""
         return self._reliable != 0
 
     def __repr__(self) -> str:

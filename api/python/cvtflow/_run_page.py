@@ -26,8 +26,8 @@ def statuses(records, facts):
         status = record.status
         kind = "good" if status == "finished" else "bad"
         notes.append((kind, status, " (still being written, or left by a killed run)" if status == "running" else ""))
-        if "energy_suspicion" in attributes:
-            doubt = float(attributes["energy_suspicion"])
+        if "energy_error_ratio" in attributes:
+            doubt = float(attributes["energy_error_ratio"])
             closes = "closes" if doubt <= 1.0 else "does not close, the results are unreliable"
             notes.append(("good" if doubt <= 1.0 else "bad", "",
                           f"energy balance {closes}: residual {attributes.get('energy_residual_relative', math.nan):.3g} of the losses, "

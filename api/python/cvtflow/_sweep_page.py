@@ -10,7 +10,7 @@ from ._channels import shown
 from ._courses import detail_text
 from ._page import heading, pairs, picture, provenance, section, table, text
 
-_BOOKKEEPING = {"case", "energy_residual", "energy_suspicion", "steps", "evaluations", "transitions", "truncated",
+_BOOKKEEPING = {"case", "energy_residual", "energy_error_ratio", "steps", "evaluations", "transitions", "truncated",
                 "settling_evaluations", "wall", "threads"}
 _MOST_MAPS, _MOST_FRAMES = 12, 4  # with all their frames; frames of one result
 

@@ -130,7 +130,7 @@ std::string too_short(const WatchResult& watch) {
 nlohmann::ordered_json watch_json(const tasks::Fault& fault, const WatchResult& watch) {
     nlohmann::ordered_json json{{"status", watch.status(fault)}};
     if (fault) return json;
-    const nlohmann::ordered_json figures{{"residual", watch.residual},         {"suspicion", watch.balance_error_ratio},
+    const nlohmann::ordered_json figures{{"residual", watch.residual},         {"error_ratio", watch.balance_error_ratio},
                                          {"pin_periods", watch.pin_periods()}, {"long_enough", watch.long_enough()},
                                          {"mean_slip", watch.means.slip},      {"efficiency", watch.means.efficiency}};
     json.update(figures);

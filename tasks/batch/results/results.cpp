@@ -98,7 +98,7 @@ engine::RowLayout result_layout(const Sweep& sweep) {
     columns.insert(columns.end(),
                    {{"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on; none without load"},
                     {"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"},
-                    {"energy_suspicion", "1",
+                    {"energy_error_ratio", "1",
                      "residual of the energy balance over its tolerance, settling included; above 1 the status is unreliable"},
                     {"notes", "", "what is odd about results that are right: names in `cvtflow list notes`", Type::text, 96},
                     {"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16},

@@ -35,11 +35,11 @@ TEST_F(WatchText, CompareMarksWhatIsUnreliable) {
     EXPECT_THAT(outcome.out, ContainsRegex("\n  too short +120 us are 0\\.17 pin periods: means of slip and efficiency require 16 "));
     EXPECT_THAT(
         read("out/compare_control.csv"),
-        AllOf(HasSubstr(",status,residual,suspicion,pin_periods,long_enough,mean_slip,efficiency\n"),
+        AllOf(HasSubstr(",status,residual,error_ratio,pin_periods,long_enough,mean_slip,efficiency\n"),
               ContainsRegex("\nrk4@200ns,.*,unreliable,"), ContainsRegex("\nleapfrog-sweep@auto,.*,finished,[^,]*,[^,]*,0\\.1[0-9]*,0,")));
     const auto json = nlohmann::json::parse(read("out/compare_control.json"));
     EXPECT_EQ(json["choices"][0]["status"], "unreliable");
-    EXPECT_GT(double(json["choices"][0]["suspicion"]), 1.0);
+    EXPECT_GT(double(json["choices"][0]["error_ratio"]), 1.0);
     EXPECT_EQ(json["reference_watch"]["long_enough"], false);
 }
 

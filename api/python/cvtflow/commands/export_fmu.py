@@ -20,7 +20,7 @@ An instance in which a parameter is changed settles again. docs/fmi.md lists wha
 SHORTCUTS = (("--method", "run.method", "NAME", "Integration method, a name from the catalogue; auto: by detail and friction law"),
              ("--step", "run.step", "TIME", "Time step; auto: 0.85 of the stability limit, evaluated every ms"))
 USUAL_OUTPUTS = ("shaft_1/speed", "shaft_2/speed", "shaft_1/torque", "shaft_1/chain_torque", "shaft_2/chain_torque", "shaft_1/clamping",
-                 "shaft_2/clamping", "ratio", "slip", "efficiency", "loss/total", "balance/suspicion")
+                 "shaft_2/clamping", "ratio", "slip", "efficiency", "loss/total", "balance/error_ratio")
 USUAL_PARAMETERS = ("drive.inertia", "drive.governor_frequency", "load.inertia", "load.linear", "load.quadratic",
                     "plate.friction_coefficient", "joint.friction_coefficient", "tip.friction_coefficient", "tip.friction_scale",
                     "pulley.cylinder_damping", "clamping.safety", "control.proportional", "control.integral")

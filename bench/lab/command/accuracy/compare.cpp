@@ -116,7 +116,7 @@ void add_newton(ChoiceColumns& columns) {
 /// ChoiceColumns of watch_json(), from a run or from the confirmation. @param prefix of their keys
 template <class Of>
 void add_watch(ChoiceColumns& columns, const std::string& prefix, Of of) {
-    for (const char* key : {"status", "residual", "suspicion", "pin_periods", "long_enough", "mean_slip", "efficiency"})
+    for (const char* key : {"status", "residual", "error_ratio", "pin_periods", "long_enough", "mean_slip", "efficiency"})
         columns.push_back({prefix + key, "", [of, key](const ComparedChoice& c) {
                                const ordered_json watch = of(c);
                                return watch.contains(key) ? watch[key] : ordered_json();

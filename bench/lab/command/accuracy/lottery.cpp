@@ -35,9 +35,9 @@ std::string line_of(const LotteryTicket& t, const LotteryArguments& a) {
 }
 
 std::string heading(bool csv) {
-    if (csv) return "machine,detail,step,status,notes,slip,exact_slip,loss,exact_loss,residual,exact_residual,suspicion,wall\n";
+    if (csv) return "machine,detail,step,status,notes,slip,exact_slip,loss,exact_loss,residual,exact_residual,error_ratio,wall\n";
     return fmt::format("{:>5} {:<17} {:>8} {:<12} {:>10} {:>10} {:>11} {:>10} {:>8} {:>8} {:>8}  {}\n", "", "detail", "step [s]", "status",
-                       "slip", "off by", "losses", "off by", "residual", "finer", "suspicion", "notes");
+                       "slip", "off by", "losses", "off by", "residual", "finer", "error_ratio", "notes");
 }
 
 /// Notes against errors of means, in four fields.
