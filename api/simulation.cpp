@@ -144,67 +144,25 @@ void Simulation::on_transition(std::function<void(Simulation&, const Transition&
 
 namespace {
 
-using P = model::Parameters;
-using Held = model::HeldInputs;
+using model::InputRow;
 
-struct Condition {
-    bool (*holds)(const P&);
-    const char* text;
-};
-constexpr Condition by_force{[](const P& p) { return p.hydraulics.mode != model::HydraulicMode::pressure; },
-                             "clamping forces, not hydraulics.mode = \"pressure\""};
-constexpr Condition by_pressure{[](const P& p) { return !by_force.holds(p); }, "hydraulics.mode = \"pressure\""};
-constexpr Condition by_torque{[](const P& p) { return p.drive.mode == model::DriveMode::torque; }, "drive.mode = \"torque\""};
-constexpr Condition by_speed{[](const P& p) { return !by_torque.holds(p); }, "drive.mode = \"speed\" or \"coupling\""};
-constexpr Condition by_coupling{[](const P& p) { return p.drive.mode == model::DriveMode::coupling; }, "drive.mode = \"coupling\""};
-constexpr Condition loaded_by_torque{[](const P& p) { return p.load.mode == model::LoadMode::torque; }, "load.mode = \"torque\""};
-constexpr Condition loaded_by_speed{[](const P& p) { return !loaded_by_torque.holds(p); }, "load.mode = \"speed\" or \"coupling\""};
-constexpr Condition loaded_by_coupling{[](const P& p) { return p.load.mode == model::LoadMode::coupling; }, "load.mode = \"coupling\""};
-constexpr Condition controlled{[](const P& p) { return p.control.enabled && p.control.quantity == model::ControlledQuantity::ratio; },
-                               "control.enabled = true and control.quantity = \"ratio\""};
-
-/// An input: its name, its key in scenes, whose range holds for it, and what a scene must have for it. Angles of far ends have no key.
-struct InputRow {
-    const char* name;
-    const char* key;
-    std::optional<double> Held::*held;
-    const model::TimeTable* (*table)(const P&);
-    Condition needs;
-    int turns = none;  ///< shaft whose reference it turns, by a speed, or by an angle where `held` is nullptr
-
-    static constexpr int none = -1;
-    [[nodiscard]] bool is_angle() const noexcept { return held == nullptr; }
-};
 constexpr double largest_angle = 1e9;  // [rad]
 
-constexpr InputRow input_rows[] = {
-    {"clamping_driving", "clamping.driving", &Held::driving, [](const P& p) { return &p.clamping.driving; }, by_force},
-    {"clamping_driven", "clamping.driven", &Held::driven, [](const P& p) { return &p.clamping.driven; }, by_force},
-    {"load_torque", "load.torque", &Held::load_torque, [](const P& p) { return &p.load.torque; }, loaded_by_torque},
-    {"drive_torque", "drive.torque", &Held::drive_torque, [](const P& p) { return &p.drive.torque; }, by_torque},
-    {"drive_speed", "drive.speed", &Held::drive_speed, [](const P& p) { return &p.drive.speed; }, by_speed, 0},
-    {"ratio", "control.ratio", &Held::ratio, [](const P& p) { return &p.control.ratio; }, controlled},
-    {"load_speed", "load.speed", &Held::load_speed, [](const P& p) { return &p.load.speed; }, loaded_by_speed, 1},
-    {"load_angle", "load_angle", nullptr, nullptr, loaded_by_coupling, 1},
-    {"drive_angle", "drive_angle", nullptr, nullptr, by_coupling, 0},
-    {"pressure_driving", "hydraulics.driving_pressure", &Held::driving_pressure, [](const P& p) { return &p.hydraulics.driving.pressure; },
-     by_pressure},
-    {"pressure_driven", "hydraulics.driven_pressure", &Held::driven_pressure, [](const P& p) { return &p.hydraulics.driven.pressure; },
-     by_pressure},
-};
+static_assert(static_cast<int>(Input::pressure_driven) + 1 == static_cast<int>(model::host_inputs));
+static_assert(static_cast<int>(Input::load_angle) == static_cast<int>(model::Input::load_angle));
 
 [[nodiscard]] const InputRow& input_row(Input input) {
     const auto number = static_cast<int>(input);
-    if (number < 0 || number >= static_cast<int>(std::size(input_rows)))
+    if (number < 0 || number >= static_cast<int>(model::host_inputs))
         throw Error(ErrorCode::argument, "input: there is no number " + std::to_string(number));
-    return input_rows[number];
+    return model::input_table[static_cast<std::size_t>(number)];
 }
 
 [[nodiscard]] const InputRow& input_row(Input input, const tasks::Scene& scene) {
     const InputRow& row = input_row(input);
     if (scene.parameters.detail.pulleys == model::PulleyDetail::absent)
         throw Error(ErrorCode::argument, std::string(row.key) + ": this scene has no pulleys");
-    if (!row.needs.holds(scene.parameters)) throw Error(ErrorCode::argument, std::string(row.key) + ": needs " + row.needs.text);
+    if (!row.acts(scene.parameters)) throw Error(ErrorCode::argument, std::string(row.key) + ": needs " + row.needs);
     return row;
 }
 
@@ -237,7 +195,7 @@ void Simulation::set_input(Input input, double value) {
         const InputRow& row = input_row(input, impl_->data());
         require_in_range(row, value);
         const model::PulleyModel& pulleys = impl_->simulation().workspace().variator.pulleys();
-        Held held = pulleys.torques().held();
+        model::HeldInputs held = pulleys.torques().held();
         if (row.turns != InputRow::none) {  // the reference turns on from where it is
             model::ReferenceAngle& reference = held.reference[static_cast<std::size_t>(row.turns)];
             if (row.is_angle() && !held.coupled)
@@ -245,7 +203,7 @@ void Simulation::set_input(Input input, double value) {
             reference.angle = row.is_angle() ? reference.zero + value : pulleys.torques().reference_angle(time(), row.turns);
             reference.since = time();
         }
-        if (!row.is_angle()) held.*row.held = value;
+        if (!row.is_angle()) held.values[static_cast<model::Input>(input)] = value;
         impl_->simulation_.hold(held);
         impl_->channels().changed();
     });
@@ -261,8 +219,8 @@ double Simulation::input(Input input) const {
                               pulleys.torques().held().reference[static_cast<std::size_t>(row.turns)].zero
                         : 0.0;
         }
-        const auto& held = pulleys.torques().held().*row.held;
-        return held ? *held : row.table(impl_->data().parameters)->at(std::max(time(), 0.0));
+        return pulleys.torques().held().values.at(static_cast<model::Input>(input), *row.table(impl_->data().parameters),
+                                                  std::max(time(), 0.0));
     });
 }
 

@@ -9,7 +9,7 @@ namespace cvtflow::api {
 
 namespace {
 
-constexpr std::string_view magic = "CVTFLOW6";
+constexpr std::string_view magic = "CVTFLOW7";
 
 [[noreturn]] void reject(const char* why) { throw Error(ErrorCode::state, std::string("saved state: ") + why); }
 
@@ -91,9 +91,7 @@ private:
 template <class Stream, class Number, class Held, class Integration>
 void visit(Stream& stream, Number& fingerprint, Held& held, Integration& integration) {
     stream(fingerprint);
-    for (auto* value : {&held.driving, &held.driven, &held.load_torque, &held.drive_torque, &held.drive_speed, &held.load_speed,
-                        &held.ratio, &held.driving_pressure, &held.driven_pressure})
-        stream(*value);
+    for (auto& value : held.values.value) stream(value);
     for (auto& reference : held.reference) {
         for (auto* number : {&reference.since, &reference.angle, &reference.zero}) stream(*number);
     }

@@ -26,8 +26,8 @@ double holding_force(const HeldSheave& held, double t, const PulleyCoordinates& 
 
 /// Whether shaft 2 has a clamping force, or a pressure, without clamping.safety. now ≥ 0 [s]
 bool has_floor(const Clamping& clamping, const Hydraulics& hydraulics, const HeldInputs& held, double now) noexcept {
-    if (hydraulics.mode == HydraulicMode::pressure) return held.driven_pressure.value_or(hydraulics.driven.pressure.at(now)) > 0.0;
-    return held.driven.value_or(clamping.driven.at(now)) > 0.0;
+    if (hydraulics.mode == HydraulicMode::pressure) return held.values.at(Input::pressure_driven, hydraulics.driven.pressure, now) > 0.0;
+    return held.values.at(Input::clamping_driven, clamping.driven, now) > 0.0;
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ double PulleyInputs::control_error(const Governing& by, double now, double load,
     }
     const double driving = at.shaft_speed(block, 0), driven = at.shaft_speed(block, 1);
     if (by.quantity == ControlledQuantity::ratio) {
-        const double faster = (driving - torques_.held().ratio.value_or(control_.ratio.at(now)) * driven) / reference_speed_;
+        const double faster = (driving - torques_.held().values.at(Input::ratio, control_.ratio, now) * driven) / reference_speed_;
         return driving < 0.0 ? -faster : faster;
     }
     return driving * at.running_radius(block, 0) != 0.0 ? position_slip(block) - control_.slip.at(now) : 0.0;
@@ -95,7 +95,7 @@ ControlInstant PulleyInputs::controlled(double t, const double* tail, const Inpu
         of.force[by.shaft] = now.clamping[by.shaft];
     switch (governing_[0].quantity) {
         case ControlledQuantity::ratio:
-            of.target = torques_.held().ratio.value_or(control_.ratio.at(when));
+            of.target = torques_.held().values.at(Input::ratio, control_.ratio, when);
             of.value = coordinates().shaft_speed(tail, 0) / coordinates().shaft_speed(tail, 1);
             break;
         case ControlledQuantity::slip: std::tie(of.target, of.value) = std::pair(control_.slip.at(when), position_slip(tail)); break;
@@ -113,12 +113,12 @@ CylinderMotion PulleyInputs::cylinder_motion(const double* block, int shaft) con
 }
 
 std::array<double, 2> PulleyInputs::given_clamping(double now, const double* tail) const noexcept {
-    const HeldInputs& held = torques_.held();
+    const InputValues& held = torques_.held().values;
     if (hydraulics_.data().mode != HydraulicMode::pressure)
-        return {held.driving ? *held.driving : clamping_.driving.at(now), held.driven ? *held.driven : clamping_.driven.at(now)};
+        return {held.at(Input::clamping_driving, clamping_.driving, now), held.at(Input::clamping_driven, clamping_.driven, now)};
     const Hydraulics& of = hydraulics_.data();
-    const std::array<double, 2> pressure{held.driving_pressure ? *held.driving_pressure : of.driving.pressure.at(now),
-                                         held.driven_pressure ? *held.driven_pressure : of.driven.pressure.at(now)};
+    const std::array<double, 2> pressure{held.at(Input::pressure_driving, of.driving.pressure, now),
+                                         held.at(Input::pressure_driven, of.driven.pressure, now)};
     std::array<double, 2> force{};
     for (int shaft = 0; shaft < 2; ++shaft) {
         const auto k = static_cast<std::size_t>(shaft);
@@ -249,14 +249,14 @@ double ShaftTorques::holding_torque(const Spring& by, double t, const double* bl
 }
 
 double ShaftTorques::drive_torque(double t, const double* block) const noexcept {
-    if (drive_.mode == DriveMode::torque) return held_.drive_torque ? *held_.drive_torque : drive_.torque.at(std::max(t, 0.0));
+    if (drive_.mode == DriveMode::torque) return held_.values.at(Input::drive_torque, drive_.torque, std::max(t, 0.0));
     return holding_torque(held_.coupled ? holder_[0] : governor_[0], t, block, 0);
 }
 
 double ShaftTorques::resisting_torque(double t, const double* block) const noexcept {
     if (load_.mode != LoadMode::torque && held_.coupled) return -holding_torque(holder_[1], t, block, 1);
     const double turning = coordinates_.shaft_speed(block, 1);
-    return (held_.load_torque ? *held_.load_torque : load_.torque.at(std::max(t, 0.0))) + load_.linear * turning +
+    return held_.values.at(Input::load_torque, load_.torque, std::max(t, 0.0)) + load_.linear * turning +
            load_.quadratic * turning * std::abs(turning);
 }
 

@@ -8,6 +8,7 @@
 #include "model/force/hydraulics.hpp"
 #include "model/machine/coefficients.hpp"
 #include "model/parameters/chain_layout.hpp"
+#include "model/parameters/input_table.hpp"
 
 namespace cvtflow::model {
 
@@ -78,15 +79,7 @@ struct HeldSheave {
 
 /// Inputs that the caller has set: a value that replaces the scene's table from then on.
 struct HeldInputs {
-    std::optional<double> driving;              ///< S_1 [N]
-    std::optional<double> driven;               ///< S_2 [N]
-    std::optional<double> load_torque;          ///< torque against the travel of shaft 2 [N·m]
-    std::optional<double> drive_torque;         ///< drive mode torque [N·m]
-    std::optional<double> drive_speed;          ///< drive modes speed and coupling [rad/s]; the reference angle continues from reference[0]
-    std::optional<double> load_speed;           ///< load modes speed and coupling [rad/s]; the reference angle continues from reference[1]
-    std::optional<double> ratio;                ///< target of ratio control [1]
-    std::optional<double> driving_pressure;     ///< hydraulics.mode pressure [Pa]
-    std::optional<double> driven_pressure;      ///< [Pa]
+    InputValues values;                         ///< where a speed is set, the reference angle of its shaft continues from `reference`
     std::optional<HeldSheave> sheave;           ///< driving sheave, with ratio control
     std::array<ReferenceAngle, 2> reference{};  ///< one per shaft
     bool coupled = false;  ///< whether couplings, load mode speed and hydraulics have taken over (ShaftTorques::couple)
@@ -119,7 +112,7 @@ private:
     [[nodiscard]] double holding_torque(const Spring& by, double t, const double* block, int shaft) const noexcept;
     [[nodiscard]] const TimeTable& speed_table(int shaft) const noexcept { return shaft == 0 ? drive_.speed : load_.speed; }
     [[nodiscard]] const std::optional<double>& held_speed(int shaft) const noexcept {
-        return shaft == 0 ? held_.drive_speed : held_.load_speed;
+        return held_.values[shaft == 0 ? Input::drive_speed : Input::load_speed];
     }
 
     PulleyCoordinates coordinates_;

@@ -62,24 +62,10 @@ StepGrid grid_of(const StepSettings& settings) noexcept {
 double next_input_point(const model::Parameters& p, const model::HeldInputs& held, double t) noexcept {
     const double now = std::max(t, 0.0);  // while a start settles, inputs are those of t = 0
     double next = std::numeric_limits<double>::infinity();
-    const auto include = [&](const model::TimeTable& table, bool in_use) {
-        if (in_use) next = std::min(next, next_point(table, now));
-    };
-    const bool by_torque = p.drive.mode == model::DriveMode::torque, loaded = p.load.mode == model::LoadMode::torque;
-    const bool controlled = p.control.enabled;
-    include(p.drive.speed, !by_torque && !held.drive_speed);
-    include(p.drive.torque, by_torque && !held.drive_torque);
-    include(p.load.torque, loaded && !held.load_torque);
-    include(p.load.speed, !loaded && !held.load_speed);
-    const bool by_pressure = p.hydraulics.mode == model::HydraulicMode::pressure;
-    include(p.clamping.driving, !held.driving && !by_pressure);
-    include(p.clamping.driven, !held.driven && !by_pressure);
-    include(p.hydraulics.driving.pressure, by_pressure && !held.driving_pressure);
-    include(p.hydraulics.driven.pressure, by_pressure && !held.driven_pressure);
-    include(p.hydraulics.pump_speed, p.hydraulics.mode != model::HydraulicMode::none);
-    include(p.control.ratio, controlled && !held.ratio);
-    include(p.control.slip, controlled);
-    include(p.control.safety, controlled);
+    for (std::size_t k = 0; k < model::input_count; ++k) {
+        const model::InputRow& row = model::input_table[k];
+        if (!row.is_angle() && row.acts(p) && !held.values.value[k]) next = std::min(next, next_point(*row.table(p), now));
+    }
     return next;
 }
 
