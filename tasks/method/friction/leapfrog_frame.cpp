@@ -1,7 +1,7 @@
 #include "tasks/method/friction/leapfrog_frame.hpp"
 
 #include <algorithm>
-#include <string>
+#include <array>
 #include <utility>
 
 #include "tasks/step/step_method.hpp"
@@ -14,19 +14,6 @@ namespace {
 template <class Motion>
 [[nodiscard]] auto velocities_of(Motion& s) noexcept {
     return std::array{&s.vx, &s.vy, &s.vz, &s.spin_x, &s.spin_y, &s.spin_z};
-}
-
-/// A segment and those that hold the links beside it.
-[[nodiscard]] std::vector<int> near_segments(const Workspace& w, int segment) {
-    const model::ChainLayout& layout = w.layout();
-    const Segment& bounds = w.partition[segment];
-    std::vector<int> near{segment};
-    for (int s = 0; s < w.partition.size(); ++s) {
-        const Segment& other = w.partition[s];
-        const auto holds = [&](int link) { return layout.wrapped(link) >= other.first && layout.wrapped(link) < other.last; };
-        if (s != segment && (holds(bounds.first - 1) || holds(bounds.last))) near.push_back(s);
-    }
-    return near;
 }
 
 }  // namespace
@@ -99,49 +86,6 @@ std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
         for (double* velocity : velocities_of(s)) *velocity = pop_front(memory, 1)[0];
     std::ranges::copy(pop_front(memory, static_cast<std::size_t>(w_.layout().size())), w_.end_slope);
     return memory;
-}
-
-int Rounds::next() noexcept {
-    int k = PassCycles::count - 1;
-    while (cycles_->rounds_[at(k)] > count_ - next_) --k;
-    begun_ = std::exchange(next_, next_ + cycles_->rounds_[at(k)]);
-    return cycles_->first_ + k;
-}
-
-void PassCycles::add_tasks(engine::TaskGraph& graph, const Workspace& w, const char* noun, engine::TaskCode code,
-                           const std::function<void(LinkAccesses&)>& more) const {
-    const int segments = w.partition.size();
-    for (int k = 0; k < count; ++k) {
-        const int rounds = rounds_[at(k)], first = graph.size();
-        for (int item = 0; item < rounds * segments; ++item) {
-            const int round = item / segments, s = item % segments;
-            const bool even = round % 2 == 0;
-            LinkAccesses accesses(w, s);
-            accesses.inside(Field::contact, false)
-                .with_halo(even ? Field::velocity_read : Field::velocity_kept)
-                .inside(Field::phase, false)
-                .inside(even ? Field::velocity_kept : Field::velocity_read, true);
-            more(accesses);
-            const std::string number = rounds == 1 ? "" : std::string(", ") + noun + " " + std::to_string(round);
-            graph.add({"friction[" + std::to_string(s) + "]" + number, first_ + k, code, item, accesses.list()});
-        }
-        for (int s = 0; s < segments; ++s) {
-            for (const int near : near_segments(w, s)) {
-                for (int round = 1; round < rounds; ++round)
-                    graph.order(first + (round - 1) * segments + near, first + round * segments + s);
-            }
-        }
-    }
-}
-
-LinkAccesses record_accesses(const Workspace& w, int s) {
-    return LinkAccesses(w, s)
-        .with_halo(Field::states_read)
-        .with_halo(Field::slopes_read)
-        .inside(Field::phase, false)
-        .segment(Field::window, true)
-        .inside(Field::contact, true)
-        .inside(Field::force, true);
 }
 
 }  // namespace cvtflow::tasks

@@ -13,10 +13,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-enum SweepCycle : int { record_sweep_cycle = method_cycles, first_sweep_cycle };
-
-/// Numbers of passes of friction cycles; a step of n sweeps has n + 1 passes, so two sweeps are one cycle of three.
-constexpr PassCycles sweep_cycles(first_sweep_cycle, {1, 3, 4, 8});
+/// A step of n sweeps has n + 1 passes, so the usual two sweeps are one cycle of three passes.
+enum SweepCycle : int { record_sweep_cycle = method_cycles, one_pass_cycle, three_passes_cycle };
 
 /// The next step opens with each force plus this share of its last change. More diverges, with less tips lag.
 constexpr double ahead = 0.5;
@@ -38,6 +36,19 @@ constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 2.0, max_sweeps = 12
 
 [[nodiscard]] int sweeps_for(const model::Parameters& parameters) {
     return static_cast<int>(std::ceil(std::clamp(needed_sweeps(parameters), min_sweeps, max_sweeps)));
+}
+
+/// A segment and those that hold the links beside it.
+[[nodiscard]] std::vector<int> near_segments(const Workspace& w, int segment) {
+    const model::ChainLayout& layout = w.layout();
+    const Segment& bounds = w.partition[segment];
+    std::vector<int> near{segment};
+    for (int s = 0; s < w.partition.size(); ++s) {
+        const Segment& other = w.partition[s];
+        const auto holds = [&](int link) { return layout.wrapped(link) >= other.first && layout.wrapped(link) < other.last; };
+        if (s != segment && (holds(bounds.first - 1) || holds(bounds.last))) near.push_back(s);
+    }
+    return near;
 }
 
 /// Ends a step inside which tips may have changed their phase.
@@ -238,27 +249,64 @@ void SweepSystem::load(std::span<const double> memory) {
 SweepLeapfrog::SweepLeapfrog(Workspace& workspace)
     : w_(workspace), frame_(workspace), system_(workspace), sweeps_(sweeps_for(workspace.parameters)) {}
 
+int Passes::next() noexcept {
+    const bool three = count_ - next_ >= 3;
+    begun_ = std::exchange(next_, next_ + (three ? 3 : 1));
+    return three ? three_passes_cycle : one_pass_cycle;
+}
+
 void SweepLeapfrog::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s)
         graph.add({"record[" + std::to_string(s) + "]", record_sweep_cycle, engine::code_of<&SweepLeapfrog::record>(*this), s,
-                   record_accesses(w_, s).inside(Field::phase, true).segment(Field::result, true).list()});
-    sweep_cycles.add_tasks(graph, w_, "pass", engine::code_of<&SweepLeapfrog::sweep>(*this), [](LinkAccesses& accesses) {
-        accesses.inside(Field::force, true)
-            .inside(Field::mean_tip_force, true)
-            .inside(Field::states_read, false)
-            .segment(Field::window, false)
-            .inside(Field::state_kept, true)
-            .inside(Field::end_state, true)
-            .inside(Field::secant, true)
-            .segment(Field::result, true)
-            .inside(Field::load, true);
-    });
+                   LinkAccesses(w_, s)
+                       .with_halo(Field::states_read)
+                       .with_halo(Field::slopes_read)
+                       .inside(Field::phase, true)
+                       .segment(Field::window, true)
+                       .inside(Field::contact, true)
+                       .inside(Field::force, true)
+                       .segment(Field::result, true)
+                       .list()});
+    add_passes(graph, one_pass_cycle, 1);
+    add_passes(graph, three_passes_cycle, 3);
     // The losses that the laws have at the state observed are replaced by what the last step's forces have done.
     const int others = graph.size();
     engine::Access accounts{static_cast<int>(Field::account), 0, w_.layout().links, true};
     const int losses = graph.add({"book", observe_cycle, engine::code_of<&SweepLeapfrog::enter_losses>(*this), 0, {accounts}});
     for (int task = 0; task < others; ++task) {
         if (graph.task(task).cycle == observe_cycle) graph.order(task, losses);
+    }
+}
+
+/// A segment's pass waits for its previous one and for those of the segments whose velocities it reads. Its output has two places in turn,
+/// so that a pass does not overwrite what its neighbours read.
+void SweepLeapfrog::add_passes(engine::TaskGraph& graph, int cycle, int passes) {
+    const int segments = w_.partition.size(), first = graph.size();
+    for (int item = 0; item < passes * segments; ++item) {
+        const int pass = item / segments, s = item % segments;
+        const bool even = pass % 2 == 0;
+        const std::string number = passes == 1 ? "" : ", pass " + std::to_string(pass);
+        graph.add({"friction[" + std::to_string(s) + "]" + number, cycle, engine::code_of<&SweepLeapfrog::sweep>(*this), item,
+                   LinkAccesses(w_, s)
+                       .inside(Field::contact, false)
+                       .with_halo(even ? Field::velocity_read : Field::velocity_kept)
+                       .inside(Field::phase, false)
+                       .inside(even ? Field::velocity_kept : Field::velocity_read, true)
+                       .inside(Field::force, true)
+                       .inside(Field::mean_tip_force, true)
+                       .inside(Field::states_read, false)
+                       .segment(Field::window, false)
+                       .inside(Field::state_kept, true)
+                       .inside(Field::end_state, true)
+                       .inside(Field::secant, true)
+                       .segment(Field::result, true)
+                       .inside(Field::load, true)
+                       .list()});
+    }
+    for (int s = 0; s < segments; ++s) {
+        for (const int near : near_segments(w_, s)) {
+            for (int pass = 1; pass < passes; ++pass) graph.order(first + (pass - 1) * segments + near, first + pass * segments + s);
+        }
     }
 }
 
@@ -283,7 +331,7 @@ void SweepLeapfrog::begin() {
     length_ = w_.step.h;
     frame_.begin();
     system_.begin(w_.step.h, nominal_);
-    passes_ = Rounds(sweep_cycles, 1 + (cold_ ? first_sweeps : sweeps_));
+    passes_ = Passes(1 + (cold_ ? first_sweeps : sweeps_));
 }
 
 Fault SweepLeapfrog::finish() {

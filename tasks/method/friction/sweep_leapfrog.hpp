@@ -91,6 +91,23 @@ private:
     mutable Losses losses_ = Losses::none;
 };
 
+/// Passes of a step, taken by cycles of the graph: of three as long as they fill one, then of one.
+class Passes {
+public:
+    explicit Passes(int count = 0) noexcept : count_(count) {}
+
+    [[nodiscard]] int count() const noexcept { return count_; }
+    /// Whether some are in no cycle yet.
+    [[nodiscard]] bool left() const noexcept { return next_ < count_; }
+    /// Takes the next cycle. @return its number
+    [[nodiscard]] int next() noexcept;
+    /// The first pass of the present cycle.
+    [[nodiscard]] int begun() const noexcept { return begun_; }
+
+private:
+    int count_, begun_ = 0, next_ = 0;
+};
+
 /// The method: a record in the middle of the step, passes of friction, the end (see above).
 class SweepLeapfrog final : public StepMethod {
 public:
@@ -121,6 +138,7 @@ public:
     void enter_losses(int item) noexcept;  ///< losses by friction in an observe cycle, after all else; item 0
 
 private:
+    void add_passes(engine::TaskGraph& graph, int cycle, int passes);
     void begin();
     [[nodiscard]] Fault finish();
 
@@ -128,7 +146,7 @@ private:
     LeapfrogFrame frame_;
     SweepSystem system_;
     const int sweeps_;      ///< sweeps of a step
-    Rounds passes_;         ///< passes of the present step
+    Passes passes_;         ///< passes of the present step
     double length_ = 0.0;   ///< length of the last step [s]
     double nominal_ = 0.0;  ///< usual length of steps: the longest, or the last as long as the one before [s]
     bool cold_ = true;      ///< no step precedes the present one: forces begin at zero, and it takes first_sweeps
