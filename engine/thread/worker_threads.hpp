@@ -1,6 +1,5 @@
 #pragma once
-/// Threads that outlive runs (oneTBB keeps its workers for the next arena), how many of them the system has for us, shortages, and how fast
-/// threads meet.
+/// Threads that outlive runs (oneTBB keeps its workers for the next arena), how many of them the system has for us, and shortages.
 
 #include <string>
 
@@ -34,13 +33,6 @@ struct ThreadShortage {
 /// Starts `count` threads at once and ends them. Called before a runtime starts threads, because oneTBB and OpenMP cannot handle a refusal
 /// (a crash in the graph's destructor, uncaught exceptions in workers, exit(1)). @return number of threads that started
 [[nodiscard]] int startable_threads(int count) noexcept;
-
-/// Time of one cycle of threads that meet, do nothing, and meet again, without yielding: median over batches of 64 cycles [s]. A lower
-/// bound for every executor on a quiet machine.
-/// @param threads the calling one included   @param seconds after which no further batch begins
-/// @param longest_wait for another thread [s]
-/// @return infinite if the threads cannot be started, or one of them lets the caller wait for longer
-[[nodiscard]] double bare_barrier_cycle(int threads, double seconds, double longest_wait) noexcept;
 
 /// A share of oneTBB's workers, which all runs of the process have together and which outlive them. Threads are tried only when more are
 /// requested than ever before.

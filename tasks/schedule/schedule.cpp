@@ -95,14 +95,6 @@ Schedule schedule_of(const RunSettings& run, int links) {
     return schedule;
 }
 
-namespace {
-
-void add_once(std::vector<Schedule>& list, const Schedule& schedule) {
-    if (std::ranges::find(list, schedule) == list.end()) list.push_back(schedule);
-}
-
-}  // namespace
-
 int max_segments(const model::Parameters& parameters) noexcept {
     return parameters.detail.pins == model::PinDetail::rigid ? 1 : parameters.chain.pins;
 }
@@ -119,23 +111,9 @@ std::vector<Schedule> schedules_for(const Scene& scene) {
     serial.balanced = false;
     if (scene.run.segments == 0) serial.segments = 1;
     std::vector<Schedule> list{serial};
-    if (flow.threads == 1) return list;
-    const auto segments = [&](int requested) { return scene.run.segments > 0 ? scene.run.segments : std::min(links, requested); };
-    flow.segments = segments(flow.threads);
-    add_once(list, flow);
-    Schedule other = flow;
-    other.balanced = true;
-    add_once(list, other);
-    other = flow;
-    other.segments = segments(2 * flow.threads);
-    add_once(list, other);
-    other = flow;
-    other.assembly = {Assembly::staged};
-    if (has_assembly(Assembly::staged) && scene.parameters.detail.pins == model::PinDetail::halves) add_once(list, other);
-    for (other = flow, other.balanced = true; other.threads >= 4;) {
-        other.threads /= 2;
-        other.segments = segments(other.threads);
-        add_once(list, other);
+    for (; flow.threads >= 2; flow.threads /= 2) {
+        if (scene.run.segments == 0) flow.segments = flow.threads;
+        list.insert(list.begin() + 1, flow);
     }
     return list;
 }

@@ -65,10 +65,9 @@ void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const
 /// Cost of the most costly segment between such cuts.
 [[nodiscard]] double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts, const LinkCosts& costs) noexcept;
 
-/// Candidate schedules of a scene: run.schedule, or, if that is "auto", those worth a trial: serial first, then `flow` in both
-/// assemblies, with one segment and two segments per thread, with equal and with balanced segments, and on a half, a quarter … of the
-/// threads down to two. A number of segments that the scene gives is respected, and so are assembly and partition if they are not the usual
-/// ones; of threads there are at most as many as it gives. Only serial on one usable processor.
+/// Candidate schedules of a scene: run.schedule, or, if that is "auto", serial and then `flow` on two threads … a quarter, a half and all
+/// of them, with a segment each. Segments, assembly and partition that the scene gives are respected; of threads there are at most as many
+/// as it gives. Only serial on one usable processor.
 /// @throws SceneError for an executor that does not exist
 [[nodiscard]] std::vector<Schedule> schedules_for(const Scene& scene);
 

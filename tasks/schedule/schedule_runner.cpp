@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <utility>
 
-#include "engine/thread/worker_threads.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -72,24 +70,9 @@ bool ScheduleRunner::PausingController::pauses() noexcept {
 
 namespace {
 
-/// Has threads meet, for the chooser. A tenth of a millisecond where another processor is idle, most of it to start a thread; otherwise a
-/// millisecond, and what the system keeps the threads waiting.
-void answer(ScheduleChooser& chooser) {
-    constexpr double measured_for = 20e-6, longest_wait = 1e-3;  // [s]
-    const auto begin = std::chrono::steady_clock::now();
-    const double meeting = engine::bare_barrier_cycle(chooser.asks(), measured_for, longest_wait);
-    chooser.answer(meeting, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-}
-
 /// Segments are repartitioned if the longest one exceeds that of balanced borders by this factor: a repartition costs an end and a
 /// beginning of the threads' common run.
 constexpr double tolerable = 1.02;
-
-[[nodiscard]] int touching_links(const Workspace& w) noexcept {
-    int count = 0;
-    for (int link = 0; link < w.layout().links; ++link) count += model::touches(w.tips.phases.data(), link);
-    return count;
-}
 
 [[nodiscard]] int grain(const Workspace& w) noexcept { return Partition::grain(model::lanes_of(w.variator.chain().isa())); }
 
@@ -108,19 +91,13 @@ constexpr double tolerable = 1.02;
     return true;
 }
 
-[[nodiscard]] std::vector<int> threads_of(const std::vector<Schedule>& candidates) {
-    std::vector<int> threads;
-    for (const Schedule& each : candidates) threads.push_back(each.threads);
-    return threads;
-}
-
 [[nodiscard]] std::string times(long count, const char* what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
 }  // namespace
 
 ScheduleRunner::ScheduleRunner(Workspace& workspace, StepMethod& method, std::vector<Schedule> candidates, const ChooserOptions& options,
                                engine::StampRecorder* recorder)
-    : w_(workspace), method_(&method), chooser_(threads_of(candidates), options), recorder_(recorder) {
+    : w_(workspace), method_(&method), chooser_(static_cast<int>(candidates.size()), options), recorder_(recorder) {
     costs_.grain = grain(w_);
     for (Schedule& each : candidates) slots_.push_back({each, equal_cuts(w_, each.segments)});
     cuts_.reserve(static_cast<std::size_t>(w_.layout().links) + 1);
@@ -148,9 +125,8 @@ void ScheduleRunner::run(StepController& controller) {
     PausingController resting(controller, *this);
     for (;;) {
         slots_[current()].executor->run(graph(), &w_, resting);
-        if (resting.over()) return chooser_.interrupt();
+        if (resting.over()) return;
         ++pauses_;
-        if (chooser_.asks() > 0) answer(chooser_);
         take_up();
     }
 }
@@ -187,7 +163,7 @@ bool ScheduleRunner::needs_repartition() noexcept {
 }
 
 bool ScheduleRunner::should_pause(double seconds, double per_cycle) noexcept {
-    const bool other = chooser_.record({seconds, per_cycle, touching_links(w_)});
+    const bool other = chooser_.record({seconds, per_cycle});
     return other || needs_repartition();
 }
 
@@ -196,18 +172,14 @@ std::string ScheduleRunner::text() const {
     const std::string moved = repartitions_ > 0 ? fmt::format("borders moved {}", times(repartitions_, "time")) : "";
     const std::string name = slots_[chosen].schedule.text();
     if (slots_.size() == 1) return moved.empty() ? name : fmt::format("{} ({})", name, moved);
-    if (chooser_.per_cycle(chooser_.chosen()) == 0.0) return name + " (auto; the run was too short to try others)";
-    const auto pace = [this](std::size_t each) {
-        const double per_cycle = chooser_.per_cycle(static_cast<int>(each));
-        return per_cycle > 0.0 ? per_cycle : std::numeric_limits<double>::infinity();
-    };
+    if (chooser_.checks() == 0) return name + " (auto; the run was too short to try others)";
+    const auto pace = [this](std::size_t each) { return chooser_.per_cycle(static_cast<int>(each)); };
     std::size_t other = chosen == 0 ? 1 : 0;  // serial, or the best beside it
     for (std::size_t each = 2; chosen == 0 && each < slots_.size(); ++each) {
         if (pace(each) < pace(other)) other = each;
     }
-    return fmt::format("{} (auto: {:.1f} us per cycle, {} {:.1f} us; {}, {}{})", name, 1e6 * chooser_.per_cycle(chooser_.chosen()),
-                       slots_[other].schedule.text(), 1e6 * pace(other),
-                       chooser_.checks() == 0 ? "one early turn" : times(chooser_.checks(), "check"), times(chooser_.changes(), "change"),
+    return fmt::format("{} (auto: {:.1f} us per cycle, {} {:.1f} us; {}, {}{})", name, 1e6 * pace(chosen), slots_[other].schedule.text(),
+                       1e6 * pace(other), times(chooser_.checks(), "check"), times(chooser_.changes(), "change"),
                        moved.empty() ? "" : ", " + moved);
 }
 

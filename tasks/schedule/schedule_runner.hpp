@@ -20,8 +20,7 @@ public:
     ScheduleRunner(Workspace& workspace, StepMethod& method, std::vector<Schedule> candidates, const ChooserOptions& options = {},
                    engine::StampRecorder* recorder = nullptr);
 
-    /// Runs until the controller returns stop. Allocates at the beginning, whenever the schedule changes, and where
-    /// ScheduleChooser::asks().
+    /// Runs until the controller returns stop. Allocates at the beginning, and whenever the schedule changes.
     void run(StepController& controller);
     /// Releases threads that would wait on a processor for the next run. Call it between runs.
     void release_threads() const noexcept;

@@ -14,11 +14,10 @@
 #include <vector>
 
 #include "bench/executor/span_recorder.hpp"
+#include "bench/study/profile/bare_barrier.hpp"
 #include "bench/study/profile/other_load.hpp"
 #include "bench/study/profile/statistics.hpp"
 #include "engine/base/hash.hpp"
-#include "engine/thread/worker_threads.hpp"
-#include "tasks/schedule/schedule_chooser.hpp"
 
 namespace cvtflow::bench {
 
@@ -207,7 +206,7 @@ LoadResult load_result(const Samples& samples, int neighbours) {
 /// Time of a bare barrier [s].
 double bare_cycle(int threads) {
     constexpr double any_wait = std::numeric_limits<double>::infinity();
-    const double seconds = engine::bare_barrier_cycle(threads, 0.5 * cycle_seconds, any_wait);
+    const double seconds = bare_barrier_cycle(threads, 0.5 * cycle_seconds, any_wait);
     if (std::isinf(seconds)) too_few_threads(threads);
     return seconds;
 }
@@ -284,7 +283,7 @@ PairedGain paired_gain(const std::vector<double>& serial, const std::vector<doub
     const auto first_serial = serial.end() - rounds;
     const auto first_step = step.end() - static_cast<std::ptrdiff_t>(bare.size());
     for (std::ptrdiff_t round = 0; round < static_cast<std::ptrdiff_t>(bare.size()); ++round)
-        (bare[static_cast<std::size_t>(round)] <= ChooserOptions{}.meeting ? near : far).push_back(first_serial[round] / first_step[round]);
+        (bare[static_cast<std::size_t>(round)] <= near_meeting ? near : far).push_back(first_serial[round] / first_step[round]);
     return {spread(near), spread(far), static_cast<int>(near.size()), static_cast<int>(far.size())};
 }
 

@@ -80,8 +80,11 @@ struct LoadResult {
     double burnt = 0.0;         ///< part of cpu that serial does not need under the same load: burnt while waiting, or lost to caches [s]
 };
 
+/// Threads that meet faster than this are near [s].
+inline constexpr double near_meeting = 0.25e-6;
+
 /// Gain over serial's turn of the same round, separately for near and far rounds. Near: a bare barrier of as many threads, unpinned, took
-/// at most ChooserOptions::meeting just before.
+/// at most near_meeting just before.
 struct PairedGain {
     Spread near, far;  ///< [1]
     int near_rounds = 0, far_rounds = 0;

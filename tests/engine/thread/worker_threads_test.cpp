@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <ctime>
 #include <filesystem>
-#include <limits>
 #include <string>
 #include <thread>
 #include <vector>
@@ -41,18 +40,6 @@ TEST(WorkerGrant, GivesTheRequestedThreadsWithoutShortageAndTriesOnlyNewOnes) {
     EXPECT_FALSE(WorkerGrant(4).fresh());
     EXPECT_TRUE(WorkerGrant(5).fresh());
     EXPECT_EQ(thread_shortage().requested, 0);
-}
-
-TEST(BareBarrier, TakesTimeAndIsGivenUpWhereAThreadKeepsTheCallerWaiting) {
-    EXPECT_GT(bare_barrier_cycle(2, 1e-3, 10.0), 0.0);  // the thread sanitizer's own thread comes with the first one
-    const int before = test::thread_count();
-    EXPECT_GT(bare_barrier_cycle(1, 1e-3, 1.0), 0.0);
-    const double two = bare_barrier_cycle(2, 1e-3, 10.0);
-    EXPECT_GT(two, 1e-9);
-    EXPECT_LT(two, 10.0);
-    const int crowd = 2 * usable_processors() + 2;  // one of them always waits for a processor
-    EXPECT_EQ(bare_barrier_cycle(crowd, 1e-3, 0.2e-3), std::numeric_limits<double>::infinity());
-    EXPECT_TRUE(test::falls_to_threads(before)) << "all have left";
 }
 
 TEST(Runtimes, OfTbbIsNamed) {

@@ -32,8 +32,7 @@ Scene settled(const std::vector<std::string>& settings = {}, const std::string& 
 /// A turn for each candidate every few steps, for ever.
 ChooserOptions restless() {
     ChooserOptions options;
-    options.window = options.turn = 0.0;
-    options.max_trial_share = 1e9;
+    options.window = 0.0;
     options.first_period = options.longest_period = 0.0;
     return options;
 }
@@ -132,7 +131,7 @@ TEST(ScheduleRunner, AllocatesNothingBetweenRests) {
     Scene scene = settled({"run.until=150 us"});
     scene.run.output_interval = 8.0 * scene.run.step;
     ChooserOptions options = restless();
-    options.window = options.turn = 2e-3;  // some outputs
+    options.window = 2e-3;  // some outputs
     Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {parallel, {test::assemblies().back()}, 5, 2}}, options);
     long outputs = 0, rests = 0, before = 0, quiet = 0, allocations = 0;
     Outputs counter([&](double, const Workspace&, const Counters&) {  // between outputs between which the run did not rest
@@ -157,7 +156,7 @@ TEST(ScheduleRunner, ReportsItsChoice) {
     EXPECT_EQ(brief.integrator().runner().text(), "serial (auto; the run was too short to try others)");
     EXPECT_EQ(Simulation(scene, Schedule{parallel, {}, 5, 2}).integrator().runner().text(), parallel + ", fused, 5 segments, 2 threads");
     ChooserOptions options = restless();
-    options.gain = options.min_lead = 1e9;  // nothing can bring that
+    options.gain = 1e9;  // nothing can bring that
     Simulation longer(scene, std::vector<Schedule>{Schedule{}, {parallel, {Assembly::fused}, 2, 2}}, options);
     EXPECT_EQ(go(longer, {.steps = 200, .new_part = true}).kind, FaultKind::max_steps);
     EXPECT_THAT(longer.integrator().runner().text(),
@@ -183,15 +182,11 @@ TEST(AutoSchedule, RespectsWhatTheSceneFixes) {
     EXPECT_EQ(schedules_for(scene), (std::vector<Schedule>{{"flow", {Assembly::staged}, 6, 2}}));
 }
 
-TEST(AutoSchedule, TriesBothAssembliesBothPartitionsAndMoreSegmentsThanThreads) {
+TEST(AutoSchedule, TriesFlowOnHalvesOfTheThreads) {
     Scene scene = settled();
-    scene.run.threads = 2;
-    const std::vector<Schedule> list = schedules_for(scene);
-    const auto has = [&](auto which) { return std::any_of(list.begin(), list.end(), which); };
-    EXPECT_EQ(has([](const Schedule& each) { return each.assembly.kind == Assembly::staged; }), test::has_laboratory());
-    EXPECT_TRUE(has([](const Schedule& each) { return each.balanced; }));
-    EXPECT_TRUE(has([](const Schedule& each) { return each.segments == 4; }));
-    EXPECT_EQ(list.front(), Schedule{});
+    scene.run.threads = 8;
+    const Schedule two{"flow", {}, 2, 2}, four{"flow", {}, 4, 4}, eight{"flow", {}, 8, 8};
+    EXPECT_EQ(schedules_for(scene), (std::vector<Schedule>{Schedule{}, two, four, eight}));
 }
 
 }  // namespace

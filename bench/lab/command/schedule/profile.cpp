@@ -21,7 +21,6 @@
 #include "bench/study/profile/report.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/catalogue.hpp"
-#include "tasks/schedule/schedule_chooser.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
@@ -115,7 +114,7 @@ std::string gains_text(const Profile& profile) {
     return fmt::format(
                "Speed-up against serial's turn of the same round, near: threads had just met within {} us, far: not; independent runs: as\n"
                "many serial ones at once, which share nothing\n",
-               microseconds(tasks::ChooserOptions{}.meeting)) +
+               microseconds(bench::near_meeting)) +
            table.text();
 }
 

@@ -7,13 +7,16 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <limits>
 #include <stdexcept>
 
 #include "bench/count/instructions.hpp"
+#include "bench/study/profile/bare_barrier.hpp"
 #include "bench/study/profile/counted_work.hpp"
 #include "bench/study/profile/measure.hpp"
 #include "bench/study/profile/other_load.hpp"
 #include "bench/study/profile/statistics.hpp"
+#include "engine/base/provenance.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/thread/pinning.hpp"
 #include "tasks/step/control/energy_ledger.hpp"
@@ -243,6 +246,15 @@ TEST(Statistics, QuartilesEncloseTheMedian) {
     EXPECT_EQ(five.upper_quartile, 4.0);
     EXPECT_EQ(spread({}).median, 0.0);
     EXPECT_EQ(spread({7.0}).upper_quartile, 7.0);
+}
+
+TEST(BareBarrier, TakesTimeAndIsGivenUpWhereAThreadKeepsTheCallerWaiting) {
+    EXPECT_GT(bare_barrier_cycle(1, 1e-3, 1.0), 0.0);
+    const double two = bare_barrier_cycle(2, 1e-3, 10.0);
+    EXPECT_GT(two, 1e-9);
+    EXPECT_LT(two, 10.0);
+    const int crowd = 2 * engine::usable_processors() + 2;  // one of them always waits for a processor
+    EXPECT_EQ(bare_barrier_cycle(crowd, 1e-3, 0.2e-3), std::numeric_limits<double>::infinity());
 }
 
 }  // namespace
