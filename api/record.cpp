@@ -167,69 +167,6 @@ void Recording::finish(bool complete) {
     });
 }
 
-struct Table::Impl {
-    engine::CaseTable table;
-
-    [[nodiscard]] std::size_t column(const std::string& name) const {
-        const auto& columns = table.layout.columns();
-        std::vector<std::string> names;
-        for (std::size_t index = 0; index < columns.size(); ++index) {
-            if (columns[index].name == name) return index;
-            names.push_back(columns[index].name);
-        }
-        throw Error(ErrorCode::argument, "column: there is no '" + name + "'" + engine::did_you_mean(engine::closest(name, names)));
-    }
-};
-
-Table::Table(const std::string& path)
-    : impl_(entered(ErrorCode::record, [&] {
-          auto made = std::make_unique<Impl>(Impl{tasks::read_results(path)});
-          tasks::sort_rows(made->table);
-          return made;
-      })) {}
-Table::~Table() = default;
-Table::Table(Table&& other) noexcept = default;
-Table& Table::operator=(Table&& other) noexcept = default;
-
-std::size_t Table::rows() const noexcept { return impl_->table.size(); }
-RecordAttributes Table::attributes() const {
-    return entered(ErrorCode::record, [&] { return attributes_from(impl_->table.attributes); });
-}
-
-std::vector<Column> Table::columns() const {
-    return entered(ErrorCode::record, [&] {
-        std::vector<Column> columns;
-        for (const engine::TableColumn& row : impl_->table.layout.columns())
-            columns.push_back({row.name, row.unit, row.description, 1, row.type == engine::ColumnType::text});
-        return columns;
-    });
-}
-
-std::vector<double> Table::numbers(const std::string& column) const {
-    return entered(ErrorCode::record, [&] {
-        const std::size_t index = impl_->column(column);
-        const engine::RowLayout& layout = impl_->table.layout;
-        const engine::ColumnType type = layout.columns()[index].type;
-        if (type == engine::ColumnType::text) throw Error(ErrorCode::argument, "column: '" + column + "' holds texts");
-        std::vector<double> values;
-        for (std::size_t row = 0; row < rows(); ++row) {
-            const auto bytes = impl_->table.row(row);
-            values.push_back(type == engine::ColumnType::real ? layout.real(bytes, index)
-                                                              : static_cast<double>(layout.integer(bytes, index)));
-        }
-        return values;
-    });
-}
-
-std::vector<std::string> Table::texts(const std::string& column) const {
-    return entered(ErrorCode::record, [&] {
-        const std::size_t index = impl_->column(column);
-        std::vector<std::string> values;
-        for (std::size_t row = 0; row < rows(); ++row) values.push_back(impl_->table.layout.cell(impl_->table.row(row), index));
-        return values;
-    });
-}
-
 std::vector<std::vector<std::string>> sums_of_quotient(const std::string& channel) {
     std::vector<std::vector<std::string>> sums;
     const tasks::QuotientChannels* of = tasks::quotient_channels_of(channel);

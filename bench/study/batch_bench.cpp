@@ -98,9 +98,10 @@ BatchBench bench_batch(const Sweep& sweep, const std::vector<int>& threads, int 
         walls[0].push_back(wall);
         cpus[0].push_back(cpu);
         for (std::size_t i = 0; i < threads.size(); ++i) {
-            std::filesystem::remove(folder.path() / "cases.h5");
+            const OwnFolder results;
+            std::filesystem::copy(folder.path(), results.path(), std::filesystem::copy_options::recursive);  // settled states
             BatchOptions options;
-            options.folder = folder.path().string();
+            options.folder = results.path().string();
             options.threads = threads[i];
             const Watch watch;
             const BatchReport report = run_batch(sweep, options);

@@ -7,8 +7,10 @@
 #include <filesystem>
 
 #include "engine/executor/tbb/job_pool.hpp"
+#include "engine/record/run/output_rule.hpp"
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
+#include "tasks/batch/shared_work.hpp"
 #include "tasks/schedule/schedule.hpp"
 
 namespace cvtflow::tasks {
@@ -17,20 +19,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t waiting_rows = 64;
-constexpr double sync_seconds = 5.0;
 const engine::Cancellation never;
 
-/// Continued cases to run once more: the last one of a strand and others, spread evenly over `sweep.checked` strands of a shard. Ascending.
-std::vector<long> cases_to_check(const Sweep& sweep, const std::vector<long>& cases) {
+/// Continued cases to run once more: the last one of a strand and others, spread evenly over `sweep.checked` strands. Ascending.
+std::vector<long> cases_to_check(const Sweep& sweep) {
     const std::size_t strand = static_cast<std::size_t>(sweep.strand());
     constexpr std::size_t other_place = 19;
-    const std::size_t strands = cases.size() / strand;
+    const std::size_t strands = static_cast<std::size_t>(sweep.cases()) / strand;
     const std::size_t requested = strand > 1 ? std::min(strands, static_cast<std::size_t>(sweep.checked)) : 0;
     std::vector<long> chosen;
     for (std::size_t k = 0; k < requested; ++k) {
         const std::size_t in_strand = strand - 1 - other_place * k % (strand - 1);  // not only the last ones, but never the first
-        chosen.push_back(cases[((2 * k + 1) * strands / (2 * requested)) * strand + in_strand]);
+        chosen.push_back(static_cast<long>(((2 * k + 1) * strands / (2 * requested)) * strand + in_strand));
     }
     return chosen;
 }
@@ -42,8 +42,8 @@ public:
     /// @param stated  beside the differences, their share of the stated errors, instead of the values
     RepeatedCases(const Sweep& sweep, bool stated) : sweep_(sweep), stated_(stated), largest_(sweep.scalars.size()), size_(largest_) {}
 
-    /// @param row  of the case   @param again the case once more, with all scalars
-    void add(const engine::RowLayout& layout, std::span<const std::byte> row, const CaseResult& again);
+    /// @param rows  the case's among them   @param again the case once more, with all scalars
+    void add(const SweepRows& rows, const CaseResult& again);
     /// "2 cases, at most: slip mean 1.2e-04 (0.8 %), ratio final 3e-07 (3e-05 %)", of the value then, or "(0.8 times its stated error)",
     /// with advice where that is exceeded; empty without cases
     [[nodiscard]] std::string text() const;
@@ -55,14 +55,13 @@ private:
     std::vector<double> largest_, size_;  ///< [scalars of the sweep]
 };
 
-void RepeatedCases::add(const engine::RowLayout& layout, std::span<const std::byte> row, const CaseResult& again) {
+void RepeatedCases::add(const SweepRows& rows, const CaseResult& again) {
     ++cases_;
     for (std::size_t i = 0; i < largest_.size(); ++i) {
         const std::string& column = sweep_.scalars[i].column;
-        const double value = layout.real(row, layout.column(column)), difference = std::abs(value - again.scalars[i]);
-        const double size = stated_
-                                ? layout.real(row, layout.column(std::string(error_prefix) + column)) * sweep_.scalars[i].error_scale(value)
-                                : std::abs(again.scalars[i]);
+        const double value = rows.number(again.number, column), difference = std::abs(value - again.scalars[i]);
+        const double size = stated_ ? rows.number(again.number, std::string(error_prefix) + column) * sweep_.scalars[i].error_scale(value)
+                                    : std::abs(again.scalars[i]);
         const bool less = stated_ ? difference * size_[i] <= largest_[i] * size : difference < largest_[i] || difference == 0.0;
         if (!std::isfinite(size) || (cases_ > 1 && less)) continue;
         largest_[i] = difference;
@@ -84,37 +83,6 @@ std::string RepeatedCases::text() const {
     if (cases_ == 0) return "";
     return fmt::format("{} {}, at most: {}{}", cases_, cases_ == 1 ? "case" : "cases", fmt::join(parts, ", "),
                        exceeded ? "; errors are larger than stated: a smaller run.steady" : "");
-}
-
-/// Cases whose rows stay: no longer to be run. @return those of them that ended well, ascending
-std::vector<long> mark_done(const engine::CaseTable& table, const std::vector<std::string>& retry, std::vector<char>& done) {
-    const std::size_t number = table.layout.column("case"), status = table.layout.column("status");
-    std::vector<long> ok;
-    for (std::size_t i = 0; i < table.size(); ++i) {
-        const auto row = table.row(i);
-        const auto of_case = static_cast<std::size_t>(table.layout.integer(row, number));
-        const std::string ended = table.layout.text(row, status);
-        if (of_case >= done.size() || std::find(retry.begin(), retry.end(), ended) != retry.end()) continue;
-        done[of_case] = 1;
-        if (ended == status_name(CaseStatus::ok)) ok.push_back(static_cast<long>(of_case));
-    }
-    std::sort(ok.begin(), ok.end());
-    return ok;
-}
-
-/// Takes rows of cases that are to run out of the table, and all but the first row of a case.
-void keep_done(engine::CaseTable& table, const std::vector<char>& done) {
-    const std::size_t number = table.layout.column("case");
-    std::vector<char> requested = done;
-    std::vector<std::byte> kept;
-    for (std::size_t i = 0; i < table.size(); ++i) {
-        const auto row = table.row(i);
-        const auto of_case = static_cast<std::size_t>(table.layout.integer(row, number));
-        if (of_case >= requested.size() || requested[of_case] == 0) continue;
-        requested[of_case] = 0;
-        kept.insert(kept.end(), row.begin(), row.end());
-    }
-    table.rows = std::move(kept);
 }
 
 /// Whether the first cases of a session all fail with the same message: the others would, too.
@@ -143,149 +111,99 @@ private:
     std::string text_;
 };
 
+/// Makes the folder of a sweep, which writes into real folders only. @throws engine::RecordError
+void make_folder(const std::string& folder) {
+    std::error_code error, absent;
+    fs::create_directory(folder, error);
+    if (!fs::is_directory(folder, absent)) {
+        const std::string missing = engine::missing_folder(folder);
+        throw engine::RecordError(fmt::format("{}: cannot create: {}", folder,
+                                              !missing.empty() ? missing
+                                              : error          ? error.message()
+                                                               : "a file with that name exists"));
+    }
+    for (const char* inside : {"", "/claims", "/records", "/continuation", "/states"}) {
+        if (fs::is_symlink(folder + inside, absent))
+            throw engine::RecordError(folder + inside + ": a symbolic link; a sweep writes into real folders only");
+    }
+}
+
 /// One session of a sweep in a folder.
 class Session {
 public:
     Session(const Sweep& sweep, const BatchOptions& options)
         : sweep_(sweep),
           options_(options),
-          folder_(shard_folder(options.folder, options.shard)),
-          file_((fs::path(folder_) / "cases.h5").string()),
-          lock_(locked(options)),
           cancel_(options.cancel != nullptr ? *options.cancel : never),
           threads_(options.threads > 0 ? options.threads : usable_threads()),
-          starts_(sweep, fs::path(options.folder) / "states", options.mixed),
-          control_(threads_, options.grace, cancel_, options.notice),
-          cases_(options.shard.claims() ? std::vector<long>{} : shard_cases(sweep, options.shard)),
-          failing_alike_(!options.keep_going && !options.part.only) {}
+          starts_(sweep, fs::path(options.folder) / "states"),
+          control_(options.grace, cancel_, options.notice),
+          failing_alike_(!options.keep_going && !options.part.only),
+          rows_(begin()) {}
 
     BatchReport run() {
-        engine::CaseTable table = read_or_begin();
-        if (options_.shard.claims()) take_claimed();
-        progress_.cases = static_cast<long>(cases_.size());
-        progress_.before = static_cast<long>(table.size());
-        {
-            permit_ = permit_table(file_, table.attribute("definition"), true);
-            engine::CaseWriter writer(permit_, table);
-            table.rows = {};  // they are in the file
-            work(writer, table.layout);
+        progress_.cases = sweep_.cases();
+        progress_.before = static_cast<long>(rows_.size());
+        BatchReport report{options_.folder, progress_, {}, rows_.facts().finished(), {}, threads_, {}, {}, {}};
+        if (!report.finished) {
+            for (const std::string& line : rows_.files().damage()) tell(line + "; its case runs again");
+            engine::RowWriter writer(options_.folder, engine::checked_heading(heading_of(rows_.facts().columns)));
+            engine::Claims claims(options_.folder, writer.name(), options_.silence);
+            work(writer, claims);
+            rows_.refresh();
+            report.finished = !stopping() && !options_.part.only && end(claims);
+            writer.finish();
         }
-        return report();
+        describe(report);
+        return report;
     }
 
 private:
-    /// The folder of a process that does not hold it already.
-    static std::unique_ptr<engine::FolderLock> locked(const BatchOptions& options) {
-        if (options.shard.claims()) return nullptr;
-        if (!options.shard.whole()) make_workers_folder(options.folder);
-        return std::make_unique<engine::FolderLock>(shard_folder(options.folder, options.shard));
+    SweepRows begin() {
+        const SweepFacts facts = begin_results(options_.folder, sweep_);
+        if (!options_.retry.empty() && options_.part.attempt == 0) drop_rows(options_.folder, facts, options_.retry);
+        SweepRows rows(options_.folder);
+        for (const long number : rows.files().numbers()) {
+            if (rows.text(number, "status") != status_name(CaseStatus::ok)) continue;
+            failing_alike_.disprove();
+            break;
+        }
+        return rows;
     }
 
-    engine::CaseTable read_or_begin() {
-        std::error_code missing;
-        if (!options_.shard.whole() && !options_.shard.claims() && fs::exists(claims_file(options_.folder), missing))
-            throw SimulationError(options_.folder + ": this sweep was begun with --worker; continue it so");
-        engine::CaseTable begin = empty_table(sweep_);
-        begin.set({"shard", options_.shard.text()});
-        set_mark(begin);
-        done_.assign(static_cast<std::size_t>(sweep_.cases()), 0);
-        if (!fs::exists(file_, missing)) return begin;
-        engine::CaseTable table = read_or_recover(begin);
-        require_same_sweep(file_, table, begin);
-        require_same_origin(file_, table, begin, options_.mixed);
-        if (table.attribute("shard") != begin.attribute("shard"))
-            throw SimulationError(
-                fmt::format("{}: results of shard {}, not {}", file_, table.attribute("shard"), begin.attribute("shard")));
-        const std::vector<long> ok = mark_done(table, options_.part.attempt == 0 ? options_.retry : std::vector<std::string>{}, done_);
-        if (!ok.empty()) failing_alike_.disprove();
-        StrandEnds(sweep_, places().continuation).reopen_broken(ok, done_);
-        keep_done(table, done_);
-        table.set({"status", "running"});
-        return table;
-    }
-
-    /// The strands of a worker so far: those that it has claimed, and of rows in its table whose claims were lost. Ascending.
-    void take_claimed() {
-        std::vector<char> taken = done_;
-        for (const engine::Claim& claim : engine::read_claims(claims_file(options_.folder))) {
-            for (long number = claim.first; claim.worker == options_.shard.number && number < std::min(claim.end(), sweep_.cases());
-                 ++number)
-                taken[static_cast<std::size_t>(number)] = 1;
-        }
-        const auto strand = sweep_.strand();
-        for (auto first = taken.begin(); first != taken.end(); first += strand) {
-            if (std::find(first, first + strand, char{1}) == first + strand) continue;
-            for (long k = 0; k < strand; ++k) cases_.push_back(first - taken.begin() + k);
-        }
-        taken_ = std::ssize(cases_);
-    }
-
-    /// Claims more cases for a worker, but not again those of rows whose claims were lost. @return whether there are any
-    bool claim() {
-        if (!options_.shard.claims() || options_.part.only) return false;
-        const std::size_t before = cases_.size();
-        while (cases_.size() == before) {
-            const engine::Claim claimed =
-                engine::claim_cases(claims_file(options_.folder), options_.shard.number, sweep_.cases(), sweep_.strand());
-            if (claimed.cases == 0) return false;
-            for (long number = claimed.first; number < claimed.end(); ++number) {
-                if (!std::binary_search(cases_.begin(), cases_.begin() + taken_, number)) cases_.push_back(number);
-            }
-        }
-        return true;
-    }
-
-    /// The existing table; if a power cut has torn it, its intact rows.
-    engine::CaseTable read_or_recover(const engine::CaseTable& begin) {
-        try {
-            return read_results(file_);
-        } catch (const engine::RecordError& error) {
-            std::optional<engine::CaseTable> left = recover_results(file_, begin);
-            if (!left) throw;
-            if (options_.notice)
-                options_.notice(fmt::format("{}; intact rows are kept: {}; the other cases run again", error.what(), left->size()));
-            return *std::move(left);
-        }
+    void tell(const std::string& what) const {
+        if (options_.notice) options_.notice(what);
     }
 
     /// Runs what is left. Jobs are strands of cases; without continuation, single cases.
-    void work(engine::CaseWriter& writer, const engine::RowLayout& layout) {
-        using Clock = std::chrono::steady_clock;
-        Clock::time_point synced = Clock::now();
-        engine::WriterThread rows(waiting_rows, layout.bytes(), [&](std::span<const std::byte> row) {
-            writer.append(row);
-            if (std::chrono::duration<double>(Clock::now() - synced).count() < sync_seconds) return;
-            writer.sync();
-            synced = Clock::now();
-        });
+    void work(engine::RowWriter& writer, engine::Claims& claims) {
+        const StrandEnds ends(sweep_, places().continuation);
+        SharedWork shared(
+            sweep_, rows_, claims, [&ends](long number) { return ends.exists(number); }, options_.notice);
+        if (options_.part.only) shared.restrict_to(*options_.part.only);
         Engines engines(static_cast<std::size_t>(threads_));
-        std::vector<std::vector<std::byte>> buffers(engines.size(), std::vector<std::byte>(layout.bytes()));
-        started_ = Clock::now();
-        engine::run_jobs(
-            threads_, options_.pin, [&](int) { return next(); },
-            [&](int worker, long first) {
-                CaseEngine& engine = engine_of(worker, engines, control_);
-                for (long number = first; number < first + sweep_.strand() && !stopping(); ++number) {
-                    if (!open(number)) continue;
-                    const CaseResult& result = run_noted(engine, worker, number);
-                    if (result.status == CaseStatus::stopped) return;
-                    auto& row = buffers[static_cast<std::size_t>(worker)];
-                    fill_row(layout, sweep_, result, row);
-                    rows.post(row);
-                    engine.forget_checkpoint();
-                    ended(result);
-                }
-            });
-        rows.finish();
-        writer.sync();
+        std::vector<std::vector<CaseToRun>> jobs(engines.size());
+        started_ = std::chrono::steady_clock::now();
+        const auto next = [&](int worker) -> std::optional<long> {
+            if (stopping()) return {};
+            auto& job = jobs[static_cast<std::size_t>(worker)];
+            job = shared.next([this] { return stopping(); });
+            return job.empty() ? std::nullopt : std::optional(job.front().number);
+        };
+        engine::run_jobs(threads_, options_.pin, next, [&](int worker, long /*first*/) {
+            CaseEngine& engine = engine_of(worker, engines, control_);
+            for (const CaseToRun& each : jobs[static_cast<std::size_t>(worker)]) {
+                if (stopping()) return;
+                const CaseResult& result = run_noted(engine, worker, each.number);
+                if (result.status == CaseStatus::stopped) return;
+                if (!each.is_new) continue;
+                writer.append(engine::checked_line(row_of(sweep_, result)));
+                ended(result);
+            }
+        });
     }
 
     [[nodiscard]] bool stopping() const noexcept { return cancel_.requested() || failing_alike_.hopeless(); }
-
-    /// Whether a case is to be run now.
-    [[nodiscard]] bool open(long number) const noexcept {
-        return done_[static_cast<std::size_t>(number)] == 0 && (!options_.part.only || options_.part.only == number);
-    }
 
     using Engines = std::vector<std::unique_ptr<CaseEngine>>;
     /// Engine of a worker, made when its first case comes.
@@ -296,23 +214,11 @@ private:
     }
 
     const CaseResult& run_noted(CaseEngine& engine, int worker, long number) {
-        if (!options_.part.crashed.empty()) return engine.book_crash(number, options_.part.crashed);
+        if (!options_.part.crashed.empty() && options_.part.only == number) return engine.book_crash(number, options_.part.crashed);
         if (options_.journal != nullptr) options_.journal->set(worker, number);
         const CaseResult& result = engine.run(number);
         if (options_.journal != nullptr) options_.journal->set(worker, engine::SharedSlots::none);
         return result;
-    }
-
-    std::optional<long> next() {
-        while (!stopping() && (position_ < cases_.size() || claim())) {
-            const long number = cases_[position_];
-            position_ += static_cast<std::size_t>(sweep_.strand());
-            for (long k = number; k < number + sweep_.strand(); ++k) {
-                if (open(k)) return number;
-            }
-        }
-        control_.idle();
-        return {};
     }
 
     void ended(const CaseResult& result) {
@@ -330,34 +236,29 @@ private:
     }
 
     [[nodiscard]] CasePlaces places() const {
-        const fs::path folder(folder_);
+        const fs::path folder(options_.folder);
         if (sweep_.records) fs::create_directories(folder / "records");
-        return {folder / "checkpoints", folder / "records", folder / "continuation", options_.checkpoint_every, options_.mixed};
+        return {folder / "records", folder / "continuation"};
     }
 
     /// Text of RepeatedCases for some cases that ended well, repeated without continuation. Empty if stopped.
     /// @param longer whether for three times as long, beside their stated errors
-    std::string repeat(OrderedRows& rows, const std::vector<long>& cases, bool longer) {
+    std::string repeat(const std::vector<long>& cases, bool longer) {
         struct Again {
             long number;
             double until;
             CaseResult result;
         };
         std::vector<Again> all;
-        const engine::RowLayout& layout = rows.head().layout;
         for (const long number : cases) {
-            const auto row = rows.of_case(number);
-            if (row.empty() || layout.text(row, layout.column("status")) != status_name(CaseStatus::ok)) continue;
-            const double times = layout.text(row, layout.column("start")) == "extrapolated" ? 12.0 : 6.0;  // its start is better
-            all.push_back(
-                {number, longer ? sweep_.from + times * (layout.real(row, layout.column("settled_for")) - sweep_.from) : 0.0, {}});
+            if (!rows_.files().has(number) || rows_.text(number, "status") != status_name(CaseStatus::ok)) continue;
+            const double times = rows_.text(number, "start") == "extrapolated" ? 12.0 : 6.0;  // its start is better
+            all.push_back({number, longer ? sweep_.from + times * (rows_.number(number, "settled_for") - sweep_.from) : 0.0, {}});
         }
-        BatchControl control(threads_, options_.grace, cancel_, options_.notice);
+        BatchControl control(options_.grace, cancel_, options_.notice);
         Engines engines(static_cast<std::size_t>(threads_));
         const auto next = [&, job = 0L](int) mutable -> std::optional<long> {
-            if (job < std::ssize(all) && !cancel_.requested()) return job++;
-            control.idle();
-            return {};
+            return job < std::ssize(all) && !cancel_.requested() ? std::optional(job++) : std::nullopt;
         };
         engine::run_jobs(threads_, options_.pin, next, [&](int worker, long job) {
             Again& again = all[static_cast<std::size_t>(job)];
@@ -366,57 +267,56 @@ private:
         RepeatedCases changes(sweep_, longer);
         for (const Again& again : all) {
             if (again.result.number < 0 || again.result.status == CaseStatus::stopped) return {};
-            if (again.result.status == CaseStatus::ok) changes.add(layout, rows.of_case(again.number), again.result);
+            if (again.result.status == CaseStatus::ok) changes.add(rows_, again.result);
         }
         return changes.text();
     }
 
-    /// A finished table is written once more in the order of cases.
-    BatchReport report() {
-        OrderedRows rows(file_);
-        engine::CaseTable head = rows.head();
-        progress_.cases = static_cast<long>(cases_.size());
-        BatchReport result{folder_,
-                           progress_,
-                           rows.tally(),
-                           rows.size() == cases_.size() && !(options_.shard.claims() && failing_alike_.hopeless()),
-                           rows.hash(),
-                           threads_,
-                           {},
-                           head.attribute("continuation_error"),
-                           head.attribute("steady_check")};
-        if (!result.finished && failing_alike_.hopeless()) result.hopeless = failing_alike_.text();
-        const bool checks = result.finished && !options_.shard.claims();  // of workers' cases, when they are merged
-        if (checks && (progress_.done > 0 || result.continuation_error.empty()))
-            result.continuation_error = repeat(rows, cases_to_check(sweep_, cases_), false);
-        if (checks && (progress_.done > 0 || result.steady_check.empty()))
-            result.steady_check =
-                repeat(rows, draw_cases(sweep_.cases(), sweep_.steady() ? sweep_.confirmation.cases : 0, sweep_.confirmation.seed), true);
-        head.set({"continuation_error", result.continuation_error});
-        head.set({"steady_check", result.steady_check});
-        head.set({"status", result.finished ? "finished" : "interrupted"});
-        head.set({"results_hash", result.results_hash});
-        engine::write_cases(permit_, head, rows.size(), [&rows](std::size_t first, std::span<std::byte> some) { rows.fill(first, some); });
-        std::error_code not_empty;
-        fs::remove(places().checkpoints, not_empty);
-        if (result.finished) remove_case_files(places().checkpoints, places().continuation, sweep_);
-        return result;
+    /// Ends the sweep where all cases have rows: repeats some of them and writes the results. One process does, the others wait for it.
+    /// @return whether it is finished
+    bool end(engine::Claims& claims) {
+        if (static_cast<long>(rows_.size()) < sweep_.cases()) return false;
+        constexpr unsigned pause = 200'000;
+        while (!claims.take("end")) {
+            if (cancel_.requested()) return false;
+            if (SweepFacts facts = read_facts(options_.folder); facts.finished()) {
+                rows_ = SweepRows(options_.folder, std::move(facts));
+                return true;
+            }
+            usleep(pause);
+        }
+        SweepFacts facts = rows_.facts();
+        facts.set({"continuation_error", repeat(cases_to_check(sweep_), false)});
+        facts.set({"steady_check",
+                   repeat(draw_cases(sweep_.cases(), sweep_.steady() ? sweep_.confirmation.cases : 0, sweep_.confirmation.seed), true)});
+        if (cancel_.requested()) return false;
+        facts.set({"status", "finished"});
+        facts.set({"results_hash", rows_.hash()});
+        write_results(options_.folder, facts, rows_.file());
+        claims.remove();
+        remove_ends(places().continuation, sweep_);
+        rows_ = SweepRows(options_.folder, std::move(facts));
+        return true;
+    }
+
+    void describe(BatchReport& report) {
+        progress_.before = static_cast<long>(rows_.size()) - progress_.done;
+        report.progress = progress_;
+        report.tally = rows_.tally();
+        report.results_hash = report.finished ? rows_.facts().text("results_hash") : rows_.hash();
+        report.continuation_error = rows_.facts().text("continuation_error");
+        report.steady_check = rows_.facts().text("steady_check");
+        if (!report.finished && failing_alike_.hopeless()) report.hopeless = failing_alike_.text();
     }
 
     const Sweep& sweep_;
     const BatchOptions& options_;
-    std::string folder_, file_;
-    engine::Permit permit_;
-    std::unique_ptr<engine::FolderLock> lock_;  ///< lock of the folder; nullptr for a worker, whose caller holds it
     const engine::Cancellation& cancel_;
     int threads_;
     StartStates starts_;
     BatchControl control_;
-    std::vector<long> cases_;
-    std::ptrdiff_t taken_ = 0;  ///< first of a worker's cases, ascending: those that it had when it began
     FailingAlike failing_alike_;
-    std::vector<char> done_;
-    std::size_t position_ = 0;
+    SweepRows rows_;
     BatchProgress progress_;
     engine::Mutex mutex_;
     std::chrono::steady_clock::time_point started_;
@@ -425,8 +325,7 @@ private:
 }  // namespace
 
 BatchReport run_batch(const Sweep& sweep, const BatchOptions& options) {
-    std::error_code reported_later;
-    fs::create_directory(options.folder, reported_later);  // the folder of all shards must be there before that of one
+    make_folder(options.folder);
     return Session(sweep, options).run();
 }
 

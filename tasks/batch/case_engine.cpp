@@ -19,16 +19,13 @@ namespace {
 
 constexpr std::string_view statuses[] = {"ok",      "unreliable", "diverged", "budget",     "bad_parameters",
                                          "crashed", "undefined",  "stopped",  "not_steady", "cycle_missed"};
-constexpr double worth_a_switch = 0.2;  ///< wall time that a case must have left to get more threads [s]
-constexpr double trial_seconds = 0.05;  ///< wall time after which more threads are compared with one [s]
-constexpr double required_gain = 1.1;
 constexpr double brief_periods = 48.0;  ///< pin periods after which means count where a solved neighbour's sheave is held
 
 [[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point then) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
 }
 
-/// The state comes by reset() or restore().
+/// The state comes by reset().
 [[nodiscard]] Scene without_state(Scene scene) {
     scene.state_file.clear();
     return scene;
@@ -80,8 +77,6 @@ CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& co
       ends_(sweep, places_.continuation) {
     result_.scalars.resize(sweep.scalars.size());
     result_.errors.resize(sweep.scalars.size());
-    std::error_code missing;
-    resumable_ = std::filesystem::exists(places_.checkpoints, missing);
 }
 
 const CaseResult& CaseEngine::run(long number) {
@@ -89,7 +84,6 @@ const CaseResult& CaseEngine::run(long number) {
     result_.error.clear();
     result_.status = CaseStatus::ok;
     prepare();
-    plain_ = false;
     try {
         sweep_.apply_case(number, scene_);
         result_.error = violations(scene_);
@@ -120,7 +114,6 @@ const CaseResult& CaseEngine::run_from_own_start(long number, double until) {
     own_start_ = true;
     longer_ = until;
     const CaseResult& result = run(number);
-    if (result.status != CaseStatus::stopped) forget_checkpoint();
     own_start_ = false;
     longer_ = 0.0;
     return result;
@@ -129,7 +122,6 @@ const CaseResult& CaseEngine::run_from_own_start(long number, double until) {
 const CaseResult& CaseEngine::book_crash(long number, const std::string& why) {
     prepare();
     result_.number = number;
-    on_disk_ = resumable_;
     result_.start = {};
     result_.status = CaseStatus::crashed;
     result_.error = why;
@@ -139,38 +131,28 @@ const CaseResult& CaseEngine::book_crash(long number, const std::string& why) {
 }
 
 void CaseEngine::prepare() {
-    started_ = last_save_ = window_begin_ = std::chrono::steady_clock::now();
-    wall_before_ = serial_rate_ = 0.0;
-    window_steps_ = 0;
-    refused_threads_ = 0;
-    on_disk_ = false;
-    pause_ = Pause::none;
+    started_ = std::chrono::steady_clock::now();
     history_ = {};
     recorder_.reset();
-    record_options_.from = nullptr;
     scalars_.clear();
     std::fill(result_.errors.begin(), result_.errors.end(), std::numeric_limits<double>::quiet_NaN());
     result_.settled_for = std::numeric_limits<double>::quiet_NaN();
     result_.efficiency = result_.residual = result_.balance_error_ratio = std::numeric_limits<double>::quiet_NaN();
     result_.notes.clear();
     result_.counters = result_.settling = {};
-    result_.threads = 1;
     result_.hash = result_.start_state = 0;
 }
 
-double CaseEngine::elapsed() const { return wall_before_ + seconds_since(started_); }
+double CaseEngine::elapsed() const { return seconds_since(started_); }
 
 void CaseEngine::begin(const ContinuedStart& from) {
-    if (serial_ == nullptr || !fits(serial_->simulation, scene_)) serial_ = std::make_unique<CaseSite>(without_state(scene_), Schedule{});
-    serial_->simulation.reset(scene_, from.state.get(), from.state ? nullptr : starts_.placed(result_.number, scene_).get());
+    if (at_ == nullptr || !fits(at_->simulation, scene_)) at_ = std::make_unique<CaseSite>(without_state(scene_), Schedule{});
+    at_->simulation.reset(scene_, from.state.get(), from.state ? nullptr : starts_.placed(result_.number, scene_).get());
     if (from.sheave) {
-        model::HeldInputs held = serial_->simulation.workspace().variator.pulleys().torques().held();
+        model::HeldInputs held = at_->simulation.workspace().variator.pulleys().torques().held();
         held.sheave = from.sheave;
-        serial_->simulation.hold(held);
+        at_->simulation.hold(held);
     }
-    at_ = serial_.get();
-    if (record_options_.from != nullptr)
-        require_same(checkpoint_file(), *record_options_.from, scene_, at_->simulation.workspace().variator, places_.mixed);
     if (!sweep_.records || own_start_) return;
     record_options_.file = permit_record(case_file(places_.records, "case", result_.number), scene_);
     recorder_ = std::make_unique<RunRecorder>(scene_, at_->simulation, record_options_);
@@ -180,16 +162,14 @@ void CaseEngine::integrate() {
     const ContinuedStart start = own_start_ ? ContinuedStart{} : ends_.start(result_.number, scene_);
     Fault fault = attempt(start);
     if (start.sheave && astray()) {
-        forget_checkpoint();
         prepare();
         result_.error.clear();
-        plain_ = true;
         fault = attempt(ends_.plain());
     }
     result_.hash = at_->simulation.hash();
     result_.counters = at_->simulation.counters();
     scalars_.write(result_);
-    if (result_.status == CaseStatus::stopped) return save();
+    if (result_.status == CaseStatus::stopped) return recorder_.reset();
     if (recorder_) {
         RunReport report;
         report.fault = fault;
@@ -216,10 +196,9 @@ Fault CaseEngine::attempt(ContinuedStart from) {
     RunMeans& means = scalars_.means();
     scalars_.seek_steady(rule);
     end_ = longer_ > 0.0 ? RunEnd{longer_, longer_} : end_of(scene_);
-    const bool resumed = restore();
     if (!from.state) from.state = starts_.of_case(result_.number, scene_, control_.stop());
     result_.start_state = from.state ? content_hash(*from.state) : 0;
-    if (!resumed) begin(from);
+    begin(from);
     const Fault fault = run();
     result_.settling = history_.settling;
     if (longer_ > 0.0) means.conclude();
@@ -243,59 +222,16 @@ Fault CaseEngine::run() {
     return fault ? fault : loop.run(end_);
 }
 
-bool CaseEngine::due(double time, const Counters& counters) {
-    pause_ = pause_for(time, counters);
-    return pause_ != Pause::none;
-}
-
-bool CaseEngine::pass(RunLoop& loop) {
-    if (pause_ == Pause::checkpoint) save();
-    if (pause_ == Pause::more_threads) {
-        change_threads();
-        scalars_.observe(*at_, scene_.run, end_.time);
-        loop.move_to(at_->simulation);
-    }
-    return pause_ != Pause::stop;
-}
-
-/// Reason to pause the case at an output.
-CaseEngine::Pause CaseEngine::pause_for(double time, const Counters& counters) {
+/// Whether a request to stop leaves the case no time to end. time [s]
+bool CaseEngine::due(double time, const Counters& /*counters*/) {
+    if (!control_.stop().requested()) return false;
     const double begin = at_->simulation.needs_settling() ? -scene_.parameters.start.settling_time : 0.0;
     const double share = (time - begin) / std::max(1e-300, end_.latest - begin);
-    const double left = share > 0.0 ? seconds_since(started_) * (1.0 - share) / share : 1e300;
-    if (control_.stop().requested() && left > control_.grace_left()) return Pause::stop;
-    const double window = seconds_since(window_begin_);
-    const double rate = window > 0.0 ? static_cast<double>(counters.steps - window_steps_) / window : 0.0;
-    const int threads = std::min(control_.threads_per_case(), max_segments(scene_.parameters));
-    const int now = at_ == serial_.get() ? 1 : at_->simulation.integrator().runner().schedule().threads;
-    if (now == 1 && window > trial_seconds) serial_rate_ = rate;
-    if (now == 1 && threads > 1 && threads != refused_threads_ && serial_rate_ > 0.0 && left > worth_a_switch) return Pause::more_threads;
-    const bool disappointing = now > 1 && window > trial_seconds && rate < required_gain * serial_rate_;
-    if (now > 1 && (disappointing || threads > now)) {
-        refused_threads_ = disappointing ? threads : 0;
-        return Pause::more_threads;
-    }
-    return seconds_since(last_save_) > places_.checkpoint_every ? Pause::checkpoint : Pause::none;
+    const double left = share > 0.0 ? elapsed() * (1.0 - share) / share : std::numeric_limits<double>::infinity();
+    return left > control_.grace_left();
 }
 
-/// Moves the case to another number of threads: its full state goes to another simulation, which continues bitwise.
-void CaseEngine::change_threads() {
-    const int threads = std::min(control_.threads_per_case(), max_segments(scene_.parameters));
-    const IntegrationState at = at_->simulation.integration_state();
-    if (threads == refused_threads_ || threads <= 1) {
-        at_ = serial_.get();
-    } else {
-        Schedule schedule;
-        schedule.executor = "flow";
-        schedule.threads = schedule.segments = threads;
-        parallel_ = std::make_unique<CaseSite>(without_state(scene_), schedule);
-        at_ = parallel_.get();
-        result_.threads = std::max(result_.threads, threads);
-    }
-    at_->simulation.restore(at);
-    window_begin_ = std::chrono::steady_clock::now();
-    window_steps_ = at.counters.steps;
-}
+bool CaseEngine::pass(RunLoop& /*loop*/) { return false; }
 
 double BatchProgress::left() const noexcept {
     const long open = cases - before - done;
@@ -309,16 +245,6 @@ double BatchControl::grace_left() {
         if (asked_ == std::chrono::steady_clock::time_point{}) asked_ = std::chrono::steady_clock::now();
         return grace_ - std::chrono::duration<double>(std::chrono::steady_clock::now() - asked_).count();
     });
-}
-
-void BatchControl::idle() {
-    mutex_.guard([&] { ++idle_; });
-    tail_.request();
-}
-
-int BatchControl::threads_per_case() {
-    if (!tail_.requested()) return 1;
-    return mutex_.guard([&] { return threads_ / std::max(1, threads_ - idle_); });
 }
 
 void BatchControl::tell(const std::string& what) {

@@ -1,5 +1,5 @@
 #pragma once
-/// One worker's engine: runs one case after the other in the same memory. Internal to tasks/batch.
+/// One thread's engine: runs one case after the other in the same memory. Internal to tasks/batch.
 
 #include <chrono>
 #include <filesystem>
@@ -11,8 +11,6 @@
 #include "tasks/run/run_loop.hpp"
 
 namespace cvtflow::tasks {
-
-struct Checkpoint;
 
 /// End of a case; the column `status` has these names.
 enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashed, undefined, stopped, not_steady, cycle_missed };
@@ -34,8 +32,7 @@ struct CaseResult {
     std::vector<double> errors;     ///< relative errors of scalars where cases end when they are steady; NaN: none [scalars of the sweep]
     double settled_for = 0.0;       ///< begin of the means where cases end when they are steady; NaN: none [s]
     Counters counters, settling;
-    double wall = 0.0;                 ///< settling and resumed parts included [s]
-    int threads = 1;                   ///< largest number that worked on it at once
+    double wall = 0.0;                 ///< settling included [s]
     std::uint64_t hash = 0;            ///< hash of the final state
     double efficiency = 0.0;           ///< 1 - losses/input over whole pin periods since sweep.from [1]
     double residual = 0.0;             ///< residual of the energy balance over the losses, without settling
@@ -43,43 +40,32 @@ struct CaseResult {
     std::string notes;                 ///< names of notes on unusual results, separated by blanks
 };
 
-/// State that all workers share: when to stop, and how many threads a case may have.
+/// State that all threads of a process share: when to stop.
 class BatchControl {
 public:
     using Notice = std::function<void(const std::string&)>;
     /// @param grace time [s]   @param notice  receives warnings, from one thread at a time; may be empty
-    BatchControl(int threads, double grace, const engine::Cancellation& stop, Notice notice = {})
-        : threads_(threads), grace_(grace), stop_(stop), notice_(std::move(notice)) {}
+    BatchControl(double grace, const engine::Cancellation& stop, Notice notice = {})
+        : grace_(grace), stop_(stop), notice_(std::move(notice)) {}
 
     [[nodiscard]] const engine::Cancellation& stop() const noexcept { return stop_; }
     /// Seconds left of the grace time, which begins with the first call after the request to stop.
     [[nodiscard]] double grace_left();
-    /// A worker has found no case any more.
-    void idle();
-    /// Threads that each of the running cases may use. Cheap while all workers are busy.
-    [[nodiscard]] int threads_per_case();
     void tell(const std::string& what);
 
 private:
-    int threads_;
     double grace_;  ///< [s]
     const engine::Cancellation& stop_;
     Notice notice_;
-    engine::Cancellation tail_;
     engine::Mutex mutex_;
-    int idle_ = 0;
     std::chrono::steady_clock::time_point asked_{};
 };
 
-/// Folders in which a worker saves its work, and how often it does.
+/// Folders of records, and of ends of continued cases.
 struct CasePlaces {
-    std::filesystem::path checkpoints{}, records{}, continuation{};
-    double checkpoint_every = 60.0;  ///< [s]
-    bool mixed = false;              ///< whether checkpoints may be of another version of the program
+    std::filesystem::path records{}, continuation{};
 };
 
-/// File of a case in a folder of CasePlaces.
-[[nodiscard]] std::string case_file(const std::filesystem::path& folder, std::string_view kind, long number);
 /// A simulation in which cases run, and what observes it.
 struct CaseSite {
     CaseSite(const Scene& scene, const Schedule& schedule) : simulation(scene, schedule), observer(simulation.workspace().variator) {}
@@ -109,10 +95,6 @@ public:
     void transition(const TransitionRecord& /*record*/) override {}
     /// Writes scalars, their errors and the begin of the means. A scalar of a case that ended well must be finite.
     void write(CaseResult& result) const;
-
-    /// Memory for checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
-    void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory, double time);  ///< @param time of the last output [s]
 
 private:
     /// States of the reducers at a sample of the first pin periods, in one of which whole ones begin.
@@ -145,33 +127,23 @@ class CaseEngine final : private Pauses {
 public:
     CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places);
 
-    /// Runs a case, or resumes it from its checkpoint. Never throws for errors of the case; engine::RecordError if something
-    /// cannot be written. A case that was stopped has left a checkpoint.
+    /// Runs a case. Never throws for errors of the case; engine::RecordError if something cannot be written.
     [[nodiscard]] const CaseResult& run(long number);
     /// Runs a case from the start that it has without continuation, with neither a record nor an end for its neighbour.
     /// @param until later end of a case that ends when it is steady; 0: none [s]
     [[nodiscard]] const CaseResult& run_from_own_start(long number, double until = 0.0);
-    /// Deletes the checkpoint of the case. Call it once the row is safe.
-    void forget_checkpoint();
     /// The result of a case that took its process down.
     [[nodiscard]] const CaseResult& book_crash(long number, const std::string& why);
 
 private:
-    enum class Pause { none, stop, checkpoint, more_threads };
     void prepare();
     void begin(const ContinuedStart& from);
-    [[nodiscard]] bool restore();
-    void resume_from(const Checkpoint& checkpoint);
     void integrate();
     [[nodiscard]] Fault attempt(ContinuedStart from);
     [[nodiscard]] bool astray();
     [[nodiscard]] Fault run();
     [[nodiscard]] bool due(double time, const Counters& counters) override;
     [[nodiscard]] bool pass(RunLoop& loop) override;
-    void save();
-    void change_threads();
-    [[nodiscard]] Pause pause_for(double time, const Counters& counters);  ///< time [s]
-    [[nodiscard]] std::string checkpoint_file() const;
     [[nodiscard]] double elapsed() const;
 
     const Sweep& sweep_;
@@ -182,29 +154,21 @@ private:
     CaseResult result_;
     CaseScalars scalars_;
     RunHistory history_;
-    std::unique_ptr<CaseSite> serial_, parallel_;
-    CaseSite* at_ = nullptr;                  ///< site of the present case
-    bool own_start_ = false, plain_ = false;  ///< plain_: another start has led nowhere
-    double longer_ = 0.0;                     ///< end of the run in place of the scene's; 0: none [s]
+    std::unique_ptr<CaseSite> at_;  ///< site of the present case
+    bool own_start_ = false;
+    double longer_ = 0.0;  ///< end of the run in place of the scene's; 0: none [s]
     RunEnd end_{};
-    bool resumable_ = false;  ///< there were checkpoints when the sweep began
-    bool on_disk_ = false;    ///< the case has one
     std::unique_ptr<RunRecorder> recorder_;
     RunOptions record_options_;
     engine::Cancellation never_;
-    Pause pause_ = Pause::none;
-    double wall_before_ = 0.0;  ///< wall time in former sessions [s]
-    std::chrono::steady_clock::time_point started_, last_save_, window_begin_;
-    long window_steps_ = 0;
-    double serial_rate_ = 0.0;  ///< steps per second by one thread; 0: not measured [1/s]
+    std::chrono::steady_clock::time_point started_;
     StrandEnds ends_;
-    int refused_threads_ = 0;  ///< thread count that a trial found too slow; 0: none
 };
 
 /// Cost of a step: evaluations x unknowns.
 [[nodiscard]] double step_cost(const Scene& scene);
 
-/// Cost of cases, that of their steps: for sharing out and for estimates.
+/// Cost of cases, that of their steps: for estimates.
 class CaseCosts {
 public:
     explicit CaseCosts(const Sweep& sweep) : sweep_(sweep) {}

@@ -143,30 +143,4 @@ void CaseScalars::write_steady(std::size_t i, CaseResult& result) const {
     result.errors[i] = means.off_target + std::hypot(unseen * size, means.unseen_slip * slipping, error.sum()) / scale;
 }
 
-void CaseScalars::save(std::vector<double>& memory) const {
-    memory.push_back(static_cast<double>(reducers_.size()));
-    for (const Reducer& reducer : reducers_) reducer.save(memory);
-    memory.push_back(static_cast<double>(early_count_));
-    for (const auto& [time, reducers] : std::span(early_).first(early_count_)) {
-        memory.push_back(time);
-        for (const Reducer& reducer : reducers) reducer.save(memory);
-    }
-    means_.save(memory);
-    sections_.save(memory);
-}
-
-std::span<const double> CaseScalars::load(std::span<const double> memory, double time) {
-    output_before_ = time;
-    reducers_.resize(static_cast<std::size_t>(pop_integer(memory, 0, std::numeric_limits<int>::max())));
-    for (Reducer& reducer : reducers_) memory = reducer.load(memory);
-    early_count_ = static_cast<std::size_t>(pop_integer(memory, 0, 1000));
-    early_.resize(early_count_);
-    for (auto& [when, reducers] : early_) {
-        when = pop_front(memory, 1)[0];
-        reducers.resize(sweep_.scalars.size());
-        for (Reducer& reducer : reducers) memory = reducer.load(memory);
-    }
-    return sections_.load(means_.load(memory));
-}
-
 }  // namespace cvtflow::tasks

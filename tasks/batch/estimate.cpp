@@ -168,9 +168,10 @@ double cost_of_repeated(const Sweep& sweep, const std::vector<long>& cases) {
 
 }  // namespace
 
-BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
+BatchEstimate estimate(const Sweep& sweep, double seconds) {
     BatchEstimate result;
-    const std::vector<long> cases = shard_cases(sweep, shard);
+    std::vector<long> cases(static_cast<std::size_t>(sweep.cases()));
+    std::iota(cases.begin(), cases.end(), 0L);
     result.cases = static_cast<long>(cases.size());
     const double cost = cost_of(sweep, cases, result.bad) + cost_of_repeated(sweep, cases);
     std::vector<double> rates;

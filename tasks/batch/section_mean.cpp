@@ -95,26 +95,4 @@ bool SectionMean::put(engine::SavedState& saved, const model::ChainLayout& at) c
     return true;
 }
 
-void SectionMean::save(std::vector<double>& memory) const {
-    const std::size_t sections = std::min(count_, kept), size = sections == 0 ? 0 : states_.size() / kept;
-    memory.insert(memory.end(), {static_cast<double>(pin_), next_, static_cast<double>(count_), static_cast<double>(size),
-                                 static_cast<double>(sections == 0 ? 0 : phases_.size())});
-    memory.insert(memory.end(), states_.begin(), states_.begin() + static_cast<std::ptrdiff_t>(sections * size));
-    if (sections > 0) std::ranges::transform(phases_, std::back_inserter(memory), [](model::Phase p) { return static_cast<double>(p); });
-}
-
-std::span<const double> SectionMean::load(std::span<const double> memory) {
-    constexpr int most = 10'000'000;
-    pin_ = pop_integer(memory, -1, most);
-    next_ = pop_front(memory, 1)[0];
-    count_ = static_cast<std::size_t>(pop_integer(memory, 0, most));
-    const auto size = static_cast<std::size_t>(pop_integer(memory, 0, most)), tips = static_cast<std::size_t>(pop_integer(memory, 0, most));
-    const auto states = pop_front(memory, std::min(count_, kept) * size), phases = pop_front(memory, tips);
-    states_.assign(states.begin(), states.end());
-    states_.resize(kept * size);
-    phases_.resize(tips);
-    std::ranges::transform(phases, phases_.begin(), [](double phase) { return static_cast<model::Phase>(phase); });
-    return memory;
-}
-
 }  // namespace cvtflow::tasks

@@ -22,10 +22,6 @@ public:
     /// Puts the mean in place of a state's motion; without sections nothing. @return whether there are any
     bool put(engine::SavedState& saved, const model::ChainLayout& at) const;
 
-    /// Memory for checkpoints, bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
-    void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [save()]
-
 private:
     static constexpr std::size_t kept = 24;  ///< sections: means are over no fewer periods
 

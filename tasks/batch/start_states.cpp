@@ -46,8 +46,8 @@ bool matters_for_placing(const Parameter& parameter) noexcept {
     return std::ranges::find(operation, parameter.section()) == std::end(operation);
 }
 
-StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder, bool mixed, State of_all)
-    : sweep_(sweep), folder_(std::move(folder)), mixed_(mixed), of_all_(std::move(of_all)) {
+StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder, State of_all)
+    : sweep_(sweep), folder_(std::move(folder)), of_all_(std::move(of_all)) {
     shareable_ = sweep.start == StartMode::shared ||
                  (sweep.start == StartMode::settle &&
                   !std::all_of(sweep.axes.begin(), sweep.axes.end(), [this](const Axis& axis) { return matters(axis); }));
@@ -151,17 +151,16 @@ StartStates::State StartStates::from_file(const std::string& path) {
     return state;
 }
 
-/// A state that another session or shard has settled. Its name promises a scene: what it contains is compared.
+/// A state that another process has settled. Its name promises a scene: what it contains is compared.
 StartStates::State StartStates::shared_from_file(const std::string& path, std::uint64_t key) {
     State state = from_file(path);
     const std::string_view text = settled_scene_text(*state);
     if (text.empty() || content(parse_scene(std::string(text), path, StartState::recorded)) != key)
         throw engine::RecordError(path + ": a shared start state of another scene than its name promises; remove it");
     const std::string_view by = program_of(*state);
-    if (!mixed_ && by != engine::version_text())
-        throw engine::RecordError(
-            fmt::format("{}: a shared start state settled by cvtflow {}, this is {}; remove it, or continue with --mixed", path,
-                        by.empty() ? "of unknown version" : by, engine::version_text()));
+    if (by != engine::version_text())
+        throw engine::RecordError(fmt::format("{}: a shared start state settled by cvtflow {}, this is {}; remove it", path,
+                                              by.empty() ? "of unknown version" : by, engine::version_text()));
     return state;
 }
 

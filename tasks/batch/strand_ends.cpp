@@ -52,12 +52,19 @@ std::string StrandEnds::file(long number) const { return case_file(folder_, "end
 
 bool StrandEnds::exists(long number) const {
     std::error_code missing;
-    return std::filesystem::exists(file(number), missing);
+    if (!std::filesystem::exists(file(number), missing)) return false;
+    try {
+        static_cast<void>(engine::read_state(file(number)));
+        return true;
+    } catch (const engine::RecordError&) {
+        return false;
+    }
 }
 
 StartStates::State StrandEnds::at(long number) {
     if (const auto known = ends_.find(number); known != ends_.end()) return known->second;
-    if (!exists(number)) return nullptr;
+    std::error_code missing;
+    if (!std::filesystem::exists(file(number), missing)) return nullptr;
     return ends_[number] = std::make_shared<engine::SavedState>(engine::read_state(file(number)));
 }
 
@@ -128,20 +135,12 @@ void StrandEnds::keep(long number, const Scene& scene, Simulation& simulation, c
             if (each.name == balance_error_ratio_attribute) each.value = simulation.balance_error_ratio(means.mark());
         }
     }
-    std::filesystem::create_directories(folder_);
-    engine::write_state(permit_state(file(number), sweep_), *saved);
     ends_[number] = saved;
-}
-
-void StrandEnds::reopen_broken(const std::vector<long>& ok, std::vector<char>& done) {
-    const long length = sweep_.strand();
-    for (long first = 0; length > 1 && first < sweep_.cases(); first += length) {
-        const auto begin = done.begin() + first, end = begin + length, open = std::find(begin, end, 0);
-        const auto from = std::lower_bound(ok.begin(), ok.end(), first), to = std::lower_bound(from, ok.end(), first + length);
-        const bool only_the_last_are_open = std::find(open, end, 1) == end;
-        if (open == end || (only_the_last_are_open && std::all_of(from, to, [this](long number) { return exists(number); }))) continue;
-        std::fill(begin, end, char{0});
-        forget(first / length);
+    try {
+        std::filesystem::create_directories(folder_);
+        engine::write_state(permit_state(file(number), sweep_), *saved, false);  // a strand without a readable end begins anew
+    } catch (const engine::RecordError&) {
+        if (!exists(number)) throw;  // another process has written the same bits
     }
 }
 

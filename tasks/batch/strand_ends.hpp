@@ -36,16 +36,14 @@ public:
     /// Keeps the end of a case: the mean state, if there are sections, or the last one with shaft 1 turned back by the angle that the
     /// governor's reference has gone. @throws engine::RecordError
     void keep(long number, const Scene& scene, Simulation& simulation, const SectionMean& sections, const RunMeans& means);
-    /// Strands of which others than their last cases are to run, or of which an end is lost, begin anew.
-    /// @param ok  cases that are in the table and ended well, ascending   @param done  by case; in and out
-    void reopen_broken(const std::vector<long>& ok, std::vector<char>& done);
+    /// Whether the end of a case is there and whole: a power cut may have torn it.
+    [[nodiscard]] bool exists(long number) const;
 
 private:
     struct Step;
     /// Moves a start by a step, and to the ratio that is asked for.
     void take(const Step& step, long number, const Scene& scene, ContinuedStart& start);
     [[nodiscard]] std::string file(long number) const;
-    [[nodiscard]] bool exists(long number) const;
     [[nodiscard]] StartStates::State at(long number);
     /// Takes the ends of a strand away.
     void forget(long strand);

@@ -111,9 +111,9 @@ PointRun DialSweep::run(const TuneChoice& choice, double step, std::size_t point
     sweep.scene.state_file.clear();
     sweep.scene.run.max_wall = left();
     sweep.start = StartMode::scene;
-    StartStates starts(sweep, {}, false, start_of(scene_at(choice, step, point), point));
-    BatchControl control(1, 0.0, cancel_);
-    CaseEngine engine(sweep, starts, control, {.checkpoint_every = std::numeric_limits<double>::infinity()});
+    StartStates starts(sweep, {}, start_of(scene_at(choice, step, point), point));
+    BatchControl control(0.0, cancel_);
+    CaseEngine engine(sweep, starts, control, {});
     const CaseResult& result = engine.run_from_own_start(points_.cases[point]);
     if (cancel_.requested()) throw SimulationError("interrupted");
     if (result.status == CaseStatus::budget) throw BudgetUsedUp();

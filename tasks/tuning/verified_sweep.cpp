@@ -7,9 +7,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
-#include "engine/record/case_table.hpp"
 #include "tasks/batch/results/results.hpp"
-#include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/units.hpp"
 
@@ -57,78 +55,65 @@ namespace {
 
 using ErrorsByCase = std::map<long, std::vector<double>>;
 
-/// The table once more, with errors in rows and the hash of these rows.
-void write_errors(const std::string& file, const Sweep& sweep, const TunedSweep& tuned, const ErrorsByCase& errors) {
-    OrderedRows rows(file);
-    engine::CaseTable head = rows.head();
-    const engine::RowLayout& layout = head.layout;
-    const auto add_errors = [&](std::span<std::byte> row) {
-        const auto found = errors.find(layout.integer(row, layout.column("case")));
-        if (found == errors.end()) return;
-        for (std::size_t i = 0; i < sweep.scalars.size(); ++i)
-            layout.put(row, layout.column(std::string(error_prefix) + sweep.scalars[i].column), found->second[i]);
-        layout.seal(row);
-    };
-    head.set({target_attribute, number_text(sweep.accuracy.target)});
-    head.set({"accuracy_choice", tuned.kept.choice.text()});
-    head.set({"accuracy_at_corners", number_text(tuned.kept.error)});
-    head.set({"results_hash", rows.hash(add_errors)});
-    engine::write_cases(permit_table(file, head.attribute("definition")), head, rows.size(),
-                        [&](std::size_t first, std::span<std::byte> some) {
-                            rows.fill(first, some);
-                            for (std::size_t at = 0; at < some.size(); at += layout.bytes()) add_errors(some.subspan(at, layout.bytes()));
-                        });
+/// The results once more, with errors in rows and the hash of these rows.
+void write_errors(const std::string& folder, const Sweep& sweep, const TunedSweep& tuned, const ErrorsByCase& errors) {
+    const SweepRows rows(folder);
+    SweepFacts facts = rows.facts();
+    facts.set({target_attribute, number_text(sweep.accuracy.target)});
+    facts.set({"accuracy_choice", tuned.kept.choice.text()});
+    facts.set({"accuracy_at_corners", number_text(tuned.kept.error)});
+    const std::string text = rows.file([&](long number, std::vector<std::string>& cells) {
+        const auto found = errors.find(number);
+        for (std::size_t i = 0; found != errors.end() && i < sweep.scalars.size(); ++i)
+            cells[rows.column(std::string(error_prefix) + sweep.scalars[i].column)] = number_text(found->second[i]);
+    });
+    write_results(folder, facts, text);
+    facts.set({"results_hash", SweepRows(folder).hash()});
+    write_facts(folder, facts);
 }
 
 }  // namespace
 
 std::vector<std::string> verify_sweep(const Sweep& sweep, const TunedSweep& tuned, const std::string& folder,
                                       const engine::Cancellation& cancel, const std::function<void(const std::string&)>& progress) {
-    const std::string file = (fs::path(folder) / "cases.h5").string();
-    const engine::FolderLock lock(folder);
     DialSweep dial(points_of(sweep, cases_to_verify(sweep)), cancel);
+    const SweepRows rows(folder);
     ErrorsByCase errors;
     std::vector<std::string> remarks;
-    {
-        OrderedRows rows(file);
-        const engine::RowLayout layout = rows.head().layout;
-        for (std::size_t i = 0; i < dial.size(); ++i) {
-            const auto row = rows.of_case(dial.points().cases[i]);
-            if (row.empty() || layout.text(row, layout.column("status")) != "ok") continue;
-            if (std::isfinite(layout.real(row, layout.column(std::string(error_prefix) + sweep.scalars.front().column)))) continue;
-            if (progress) progress("verifying " + dial.points().names[i]);
-            const DialSweep::Reference& reference = dial.reference(i, reference_share * sweep.accuracy.target);
-            PointRun is;
-            for (const Scalar& scalar : sweep.scalars) is.values.push_back(layout.real(row, layout.column(scalar.column)));
-            if (reference.run != nullptr)
-                errors[dial.points().cases[i]] = dial.errors(is, *reference.run);
-            else
-                remarks.push_back(fmt::format("{}: {}", dial.points().names[i], reference.text));
-        }
+    for (std::size_t i = 0; i < dial.size(); ++i) {
+        const long number = dial.points().cases[i];
+        if (!rows.files().has(number) || rows.text(number, "status") != "ok") continue;
+        if (std::isfinite(rows.number(number, std::string(error_prefix) + sweep.scalars.front().column))) continue;
+        if (progress) progress("verifying " + dial.points().names[i]);
+        const DialSweep::Reference& reference = dial.reference(i, reference_share * sweep.accuracy.target);
+        PointRun is;
+        for (const Scalar& scalar : sweep.scalars) is.values.push_back(rows.number(number, scalar.column));
+        if (reference.run != nullptr)
+            errors[number] = dial.errors(is, *reference.run);
+        else
+            remarks.push_back(fmt::format("{}: {}", dial.points().names[i], reference.text));
     }
-    write_errors(file, sweep, tuned, errors);
+    write_errors(folder, sweep, tuned, errors);
     return remarks;
 }
 
-SweepVerification sweep_verification(const std::string& file) {
-    OrderedRows rows(file);
-    const engine::CaseTable& head = rows.head();
+SweepVerification sweep_verification(const std::string& folder) {
+    const SweepRows rows(folder);
     SweepVerification verification;
-    verification.target = engine::number_of(head.attribute(target_attribute)).value_or(0.0);
-    std::vector<std::size_t> columns;
-    for (const engine::TableColumn& column : head.layout.columns()) {
+    verification.target = engine::number_of(rows.facts().text(target_attribute)).value_or(0.0);
+    std::vector<std::string> columns;
+    for (const ResultColumn& column : rows.facts().columns) {
         if (!column.name.starts_with(error_prefix)) continue;
-        columns.push_back(head.layout.column(column.name));
+        columns.push_back(column.name);
         verification.scalars.push_back(column.name.substr(error_prefix.size()));
     }
     verification.worst.resize(columns.size(), 0.0);
-    std::vector<std::byte> row(head.layout.bytes());
-    for (std::size_t at = 0; at < rows.size() && !columns.empty(); ++at) {
-        rows.fill(at, row);
+    if (columns.empty()) return verification;
+    for (const long number : rows.files().numbers()) {
+        if (std::isnan(rows.number(number, columns.front()))) continue;
         double worst = 0.0;
-        if (std::isnan(head.layout.real(row, columns.front()))) continue;
         for (std::size_t i = 0; i < columns.size(); ++i) {
-            const double error = head.layout.real(row, columns[i]);
+            const double error = rows.number(number, columns[i]);
             verification.worst[i] = std::max(verification.worst[i], error);
             worst = std::max(worst, error);
         }

@@ -25,14 +25,14 @@ struct TunedSweep {
 /// Cases that are verified: SweepAccuracy::verify of them, drawn by its seed. Ascending.
 [[nodiscard]] std::vector<long> cases_to_verify(const Sweep& sweep);
 
-/// Runs cases of a finished table again at reference quality and writes errors into their rows (columns `error_of_...`) and the table's
-/// attributes. Rows that have errors keep them; of other shards nothing is touched. A reference settles, too, where cases do.
-/// @param sweep as its file has it, not tuned   @param folder of the table   @return what could not be verified, and why
+/// Runs cases of a finished sweep again at reference quality and writes errors into their rows (columns `error_of_...`) and into its
+/// facts. Rows that have errors keep them. A reference settles, too, where cases do.
+/// @param sweep as its file has it, not tuned   @param folder of the results   @return what could not be verified, and why
 /// @throws engine::RecordError; SimulationError: interrupted
 std::vector<std::string> verify_sweep(const Sweep& sweep, const TunedSweep& tuned, const std::string& folder,
                                       const engine::Cancellation& cancel, const std::function<void(const std::string&)>& progress);
 
-/// Verified errors of a table.
+/// Verified errors of a sweep.
 struct SweepVerification {
     double target = 0.0;               ///< 0: none
     std::vector<std::string> scalars;  ///< columns
@@ -44,7 +44,7 @@ struct SweepVerification {
     /// "10 cases verified, 1 beyond 1 %; at most: slip_mean 0.3 %, ratio_mean 0.02 %"
     [[nodiscard]] std::string text() const;
 };
-/// @param file the table   @throws engine::RecordError
-[[nodiscard]] SweepVerification sweep_verification(const std::string& file);
+/// @throws engine::RecordError
+[[nodiscard]] SweepVerification sweep_verification(const std::string& folder);
 
 }  // namespace cvtflow::tasks

@@ -238,7 +238,7 @@ class Sweeps(Folder):
         self.assertEqual(results.column("links/tension[0] max"), "links_tension_0_max")
         with self.assertRaisesRegex(KeyError, "did you mean"):
             results.column("slip men")
-        self.assertEqual(set(os.listdir(self.folder)) >= {"sweep.toml", "sweep.scene.toml", "cases.h5"}, True)
+        self.assertEqual(set(os.listdir(self.folder)) >= {"sweep.toml", "sweep.scene.toml", "results.csv"}, True)
         alone = cvtflow.Sweep.results(self.folder)
         np.testing.assert_array_equal(alone["slip_mean"], results["slip_mean"])
 
@@ -302,8 +302,8 @@ class Sweeps(Folder):
         self.assertEqual(results.column("torque"), "load_torque")
         with self.assertRaisesRegex(TypeError, "a column is named by a text, not by int 1"):
             results.map(1, 2, 3)
-        with self.assertRaisesRegex(TypeError, r"Results\(\) takes a Table, not str; Sweep.results"):
-            cvtflow.Results("folder")
+        with self.assertRaisesRegex(TypeError, r"Results\(\) takes a sweep's folder, not int"):
+            cvtflow.Results(3)
 
     def test_results_become_an_array_with_named_axes(self):
         results = self.results()

@@ -128,10 +128,10 @@ class Sweeps(Folder):
         program("batch", file, "-q", "-o", self.folder + "/there")
         there = cvtflow.Sweep.results(self.folder + "/there")
         self.assertEqual(list(here), list(there))
-        for name in set(here) - {"wall", "threads"}:  # what differs from run to run
+        for name in set(here) - {"wall"}:  # what differs from run to run
             np.testing.assert_array_equal(here[name], there[name])
         np.testing.assert_array_equal(here["load_torque"], [6, 6, 12, 12])
-        counts = {"case", "steps", "evaluations", "transitions", "truncated", "settling_evaluations", "threads"}
+        counts = {"case", "steps", "evaluations", "transitions", "truncated", "settling_evaluations"}
         self.assertLessEqual(counts, {name for name in here if np.asarray(here[name]).dtype == np.int64})
         self.assertEqual(here["load_torque"].dtype, np.float64)
         self.assertEqual(here.where(steps=int(here["steps"][0]), case=[0])["case"].tolist(), [0])
@@ -282,7 +282,7 @@ class SweepFiles(Folder):
     def test_slurm_gets_an_array_of_workers_of_a_folder(self):
         told = self.sweep().submit(self.folder + "/a b", "--time=1:00", workers=3).split("\n")
         self.assertEqual(told[:-1], ["--parsable", "--array=1-3", "--requeue", "--time=1:00", "--wrap"])
-        self.assertEqual(told[-1], f"exec {self.folder}/bin/cvtflow batch '{self.folder}/a b.toml' -o '{self.folder}/a b' --worker")
+        self.assertEqual(told[-1], f"exec {self.folder}/bin/cvtflow batch '{self.folder}/a b.toml' -o '{self.folder}/a b'")
         self.assertEqual(cvtflow.SweepFile.read(self.folder + "/a b.toml").cases, 1)
         with unittest.mock.patch.dict(os.environ, {"PATH": self.folder}):
             self.assertRaisesRegex(FileNotFoundError, "cvtflow: no such program", self.sweep().submit, self.folder + "/other")

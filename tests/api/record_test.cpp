@@ -103,15 +103,6 @@ TEST(HostScenes, NameTheSettingThatIsWrong) {
     EXPECT_THAT(with(table + "]"), testing::Not(HasSubstr("[0, 1], [0, 1], [0, 1], [0, 1], [0, 1], [0, 1], [0, 1], [0, 1]")));
 }
 
-TEST_F(HostRecords, TablesAreReadByColumns) {
-    const Table table((swept() / "cases.h5").string());
-    EXPECT_EQ(table.rows(), 2u);
-    EXPECT_THAT(table.numbers("load_torque"), ElementsAre(6.0, 12.0));
-    EXPECT_THAT(table.texts("status"), ElementsAre("ok", "ok"));
-    EXPECT_EQ(code_of([&] { static_cast<void>(table.numbers("status")); }), ErrorCode::argument);
-    EXPECT_THAT(error_of([&] { static_cast<void>(table.numbers("load_torqe")); }), HasSubstr("did you mean \"load_torque\""));
-}
-
 TEST_F(HostRecords, ASweepThatIsCancelledContinues) {
     Sweep sweep = Sweep::read((folder_ / "loads.toml").string());
     sweep.cancel();

@@ -10,7 +10,7 @@ import signal
 from pathlib import Path
 from typing import NamedTuple
 
-from program import (BUILD, FAULTS, PROGRAM, SETTLING, SOURCE, Program, depth, hash_in, main, preload, read, rows_of, with_faults, write,
+from program import (BUILD, FAULTS, PROGRAM, SETTLING, SOURCE, Program, cases_of, depth, hash_in, main, preload, read, with_faults, write,
                      write_sweep)
 
 # Options of a run and of settling that take a moment.
@@ -22,7 +22,7 @@ RESUME = "resume k.checkpoint.h5 -q --set run.max_steps=0"
 KINDS = {"CSV": "numbers.csv", "FIFO": None, "checkpoint": "k.checkpoint.h5", "folder": None, "foreign .part": "foreign.h5",
          "foreign record": "foreign.h5", "link": None, "link .part": None, "own .part": "own.h5", "own record": "own.h5",
          "page": "page.html",
-         "picture": "picture.svg", "read-only": "notes.txt", "scene": "scene.toml", "state": "state.h5", "table": "first/cases.h5",
+         "picture": "picture.svg", "read-only": "notes.txt", "scene": "scene.toml", "state": "state.h5", "table": "first/results.csv",
          "text": "notes.txt"}
 
 
@@ -53,10 +53,10 @@ WRITERS = (
     _Writer("export --vtk, states", "export own.h5 --vtk t.pvd", "t/t_000000.vtu"),
     _Writer("export-fmu -o", "export-fmu tiny -q -o t.fmu", "t.fmu"),
     _Writer("export-fmu", "export-fmu tiny -q", "tiny.fmu"),
-    _Writer("batch", "batch sweep.toml -q -o out", "out/cases.h5"),
+    _Writer("batch", "batch sweep.toml -q -o out", "out/results.csv"),
+    _Writer("batch, facts", "batch sweep.toml -q -o out", "out/sweep.json"),
+    _Writer("batch, sweep", "batch sweep.toml -q -o out", "out/sweep.toml"),
     _Writer("batch, records", "batch recorded.toml -q -o out --threads 1", "out/records/case-000000.h5"),
-    _Writer("batch, checkpoints", "batch sweep.toml -q -o out --checkpoint-every '1 us' --threads 1", "out/checkpoints/case-000000.h5"),
-    _Writer("merge", "merge cut", "cut/cases.h5"),
     _Writer("tune --write", TUNE, "t.toml"),
     _Writer("tune --write, state", TUNE, "t.h5", ("state",)),
     _Writer("tune --write, picture", TUNE, "t.svg", ("picture",)),
@@ -75,8 +75,7 @@ def files(folder="."):
 
 class _Files(Program):
     """Has own.h5 and foreign.h5 (records of tiny and of another scene), own's page.html and picture.svg, state.h5, k.h5 with its
-    checkpoint, first/ (a finished sweep), cut/ (the shards of another, which is sweep.toml and, with records, recorded.toml), scene.toml,
-    numbers.csv, notes.txt."""
+    checkpoint, first/ (a finished sweep), sweep.toml (another) and recorded.toml (with records), scene.toml, numbers.csv, notes.txt."""
 
     def make(self):
         write("scene.toml", '[chain]\npins = 24\npitch = "16.6 mm"\n[plate]\ncount = 4\n[pulley]\ncentre_distance = "100 mm"\n[detail]\n'
@@ -91,8 +90,6 @@ class _Files(Program):
         self.cvtflow(f"run tiny -o k.h5 --checkpoint-every '1 h' --set run.max_steps=500 {RUN}", 4)
         write_sweep("7", "20 us")
         write_sweep("7", "20 us", name="recorded.toml", outputs="records = true\n")
-        for shard in ("1/2", "2/2"):
-            self.batch(f"-q --shard {shard}", folder="cut")
 
     def kept(self, before, what):
         """No file is missing or changed."""
@@ -125,18 +122,15 @@ class EveryWriter(_Files):
         put(kind, writer.target)
         before, what = files(), f"{writer.name} over {kind}"
         done = self.cvtflow(writer.line, None)  # ends within the time of wait(), also where it could wait for the FIFO's reader
-        checkpoints = writer.name == "batch, checkpoints"
         if kind in writer.replaces:
             self.assertTrue(done.status == 0 or (done.status == 4 and writer.line == TUNE), f"{what}: {done.err}")
             del before[writer.target]
-        elif not checkpoints:  # which may not need to write one
+        else:
             self.assertEqual(done.status, 1, f"{what}: {done.err}")
             self.has(done.err, writer.target)
-            continues = writer.name in ("batch", "export --vtk, states")  # and so refuses what is not theirs first
+            continues = writer.name == "export --vtk, states"  # and so refuses what is not its own first
             link = kind == "link .part" or (kind == "link" and not continues)
             self.has(done.err, ": a symbolic link; name its target" if link else ": ")
-        if checkpoints and kind in ("state", "checkpoint"):  # a state of that name, in that folder, is the sweep's
-            before = {name: of for name, of in before.items() if not name.startswith("out/checkpoints")}
         self.kept(before, what)
         self.assertFalse(os.path.exists("nowhere"), what)
 
@@ -157,7 +151,7 @@ class EveryWriter(_Files):
         """A foreign file that takes the name while a command works; not those that continue or create a file, nor slow tuning."""
         nothing = files()
         for writer in WRITERS:
-            if writer.name in ("resume -o", "batch") or writer.line == TUNE:
+            if writer.name == "resume -o" or writer.name.startswith("batch") or writer.line == TUNE:
                 continue
             done = self.cvtflow(writer.line, 1, LD_PRELOAD=preload(), CVTFLOW_APPEARS=os.path.abspath(writer.target))
             self.has(done.err, writer.target + ": a")
@@ -204,7 +198,7 @@ class Replacement(_Files):
                 (f"export-fmu tiny -o state.h5 -q {by_state}", f"state.h5{replaced}"),
                 (f"tune tiny -q --accuracy '5 %' --write state.toml {by_state}", f"state.h5{replaced}"),
                 ("report own.h5 -o own.h5", f"own.h5{replaced}"),
-                ("report first -o first/cases.h5", f"first/cases.h5{replaced}"),
+                ("report first -o first/results.csv", f"first/results.csv{replaced}"),
                 ("export own.h5 --csv own.h5", f"own.h5{replaced}"),
                 *[("cvtflow-lab profile scene.toml --trace scene.toml",
                    f"scene.toml{replaced}scene.toml")] * (BUILD / "cvtflow-lab").exists()):
@@ -321,13 +315,6 @@ class Replacement(_Files):
         self.assertEqual(files(), before)
         self.has(self.shell(f'ulimit -f 8; "$CVTFLOW" run tiny -o big.h5 {RUN}', 1).stderr, "File too large")
 
-    def test_merge_keeps_rows_that_the_shards_do_not_have(self):
-        self.cvtflow("merge cut")
-        os.remove("cut/workers/0002/cases.h5")
-        before = files()
-        self.has(self.err("merge cut --partial"), "cut/cases.h5: has 4 cases, the workers have")
-        self.assertEqual(files(), before)
-
     def test_no_name_of_a_scene_or_a_sweep_is_a_path(self):
         for name in ("../../x", "/tmp/x", "a\\\\b", "..", ".x", "a\\u001b[2J", "a\\u0001", "a\\uFFFE", "x" * 201):
             write("named.toml", f'[scene]\nname = "{name}"\n')
@@ -350,27 +337,25 @@ class SweepBesideFiles(_Files):
     kills, seed = depth(2, 10), 3
 
     def test_killed_changes_none_of_them_and_loses_and_repeats_no_case(self):
-        for name in ("notes.txt", "checkpoints/mine.checkpoint.h5", "checkpoints/old/case-000000.h5", "continuation/notes.md",
+        for name in ("notes.txt", "claims/mine", "continuation/notes.md", "rows.csv", "results.txt",
                      "records/mine.h5",
                      "records/case-7.h5", "states/readme", "bench/main.cpp", "bench/src/main.cpp"):
             write(f"out/{name}", f"mine: {name}")
-        shutil.copy("foreign.h5", "out/checkpoints/foreign.h5")
+        shutil.copy("foreign.h5", "out/continuation/foreign.h5")
         mine = files("out")
         write_sweep("6, 9, 12", "80 us", outputs="records = true\n")
         whole = self.batch(folder="whole")
         chance = random.Random(self.seed)
         for kill in range(self.kills):  # at numbers of rows that are drawn, the first one before there is any
             rows = chance.randrange(12) if kill else 0
-            self.ended_when(self.start("batch sweep.toml -o out --checkpoint-every '5 ms' -q"),
-                            lambda: os.path.exists("out/cases.h5")
-                            and rows_of("out/cases.h5") >= rows, signal.SIGKILL, (128 + signal.SIGKILL, 0))
+            self.ended_when(self.start("batch sweep.toml -o out -q"), lambda: len(cases_of("out")) >= rows, signal.SIGKILL,
+                            (128 + signal.SIGKILL, 0))
             self.kept(mine, f"kill {kill}")
         last = self.cvtflow("resume out")
         self.assertEqual(hash_in(last.out), hash_in(whole.out))
         for name in ("slip_mean", "evaluations"):
             self.assertEqual(self.column(name), self.column(name, "whole"))
         self.kept(mine, "the end")
-        self.assertFalse(os.path.exists("out/checkpoints/case-000000.h5"))
         self.assertTrue(all(os.path.exists(f"out/records/case-{number:06}.h5") for number in range(12)))
 
 

@@ -7,12 +7,10 @@ import unittest
 from pathlib import Path
 
 import h5py
-import numpy as np
 
 from program import BRIEFLY, LAB, PROGRAM, SETTLING, Program, main, write
 
 TIME = 'expected a time such as "30 s" or "10 min"'
-SHARD = "expected I/N with 1 <= I <= N <= 100000, e.g. 3/8"
 ESTIMATE = "run.step_control: 'rk4' has no error estimate; only \"fixed\" steps are possible (cvtflow list methods --all)"
 RK5 = "no method 'rk5' (did you mean 'rk4'?)"
 BROKEN = ('broken.toml:2:1: chain.pich: unknown key (did you mean "chain.pitch"?)\n'
@@ -35,10 +33,9 @@ ON_THE_COMMAND_LINE = (
     ("list method", 2, "no list 'method', did you mean 'methods'?"),
     ("run tiny --checkpoint-every ''", 2, f"--checkpoint-every : {TIME}"),
     ("run tiny --checkpoint-every 7", 2, f"--checkpoint-every 7: {TIME}"),
-    ("batch sweep.toml --checkpoint-every ''", 2, f"--checkpoint-every : {TIME}"),
+    ("batch sweep.toml --worker", 2, "The following argument was not expected: --worker (cvtflow batch --help)"),
+    ("merge out", 2, "no command 'merge' (cvtflow --help, or cvtflow-lab merge)"),
     ("batch sweep.toml --grace soon", 2, f"--grace soon: {TIME}"),
-    *((f"batch sweep.toml --shard '{shard}'", 2, f"--shard {shard}: {SHARD}")
-      for shard in ("", "0/3", "1/100000000", "1/99999999999999999999")),
     *((f"batch sweep.toml --threads {n}", 2, f"--threads: Value {n} not in range 1 to 1024 (cvtflow batch --help)") for n in (-1, 0)),
 )
 IN_SCENES = (
@@ -117,18 +114,18 @@ OF_THE_LABORATORY = (
 )
 IN_FILES = (
     ("info missing.h5", 1, "missing.h5: No such file or directory"),
-    ("info folder", 1, "folder: a folder without the table of a sweep (cases.h5)"),
+    ("info folder", 1, "folder: a folder without results of a sweep (sweep.json)"),
     ("info text.h5", 1, "text.h5: not an HDF5 file"),
-    *((f"{command} pipe", 1, "pipe: not a regular file") for command in ("info", "table", "resume")),
+    *((f"{command} pipe", 1, "pipe: not a regular file") for command in ("info", "resume")),
     ("info /dev/zero", 1, "/dev/zero: not a regular file"),
     ("check ./pipe", 1, "./pipe: cannot be read: not a regular file"),
     ("check /dev/zero", 1, "/dev/zero: cannot be read: not a regular file"),
     ("batch /dev/zero -o sweep", 1, "/dev/zero: cannot be read: not a regular file"),
     ("check large.toml", 1, "large.toml: cannot be read: 70000000 bytes, more than the 4194304 that such a file may have"),
-    ("info other.h5", 1, "other.h5: an HDF5 file, but neither a record, a state nor a sweep's table of cvtflow"),
+    ("info other.h5", 1, "other.h5: an HDF5 file, but neither a record nor a state of cvtflow"),
     ("info cut_record.h5", 1, "cut_record.h5: truncated HDF5 file: 2000 bytes of {record}"),
     ("info cut_state.h5", 1, "cut_state.h5: truncated HDF5 file: 2000 bytes of {state}"),
-    ("table table.h5", 1, "table.h5: not the table of a sweep: it has no column 'status' of texts"),
+    ("table text.h5", 1, "text.h5: not a sweep's table as cvtflow table --csv prints it"),
     ("resume nothing.h5", 1, "nothing.h5: No such file or directory"),
     ("resume state.h5", 1, "state.h5: a state file, not a checkpoint: it has no integration_scalars"),
     ("resume folder", 1, "folder: contains no sweep"),
@@ -175,10 +172,6 @@ class Errors(Program):
         self.cvtflow("settle tiny -q -o state.h5 --time 20us --set start.ramp_time=10us")
         for name in ("record", "state"):
             Path(f"cut_{name}.h5").write_bytes(Path(f"{name}.h5").read_bytes()[:2000])
-        with h5py.File("table.h5", "w", libver="latest") as file:  # an unsealed table of cases without the sweep's columns
-            table = file.create_dataset("cases", (0,), [("case", "i8"), ("status", "f8"), ("check", "i8")], maxshape=(None,), chunks=(8,))
-            table.attrs.update(columns=np.array([b"case", b"status"]), units=np.array([b"1", b"1"]), descriptions=np.array([b"-", b"-"]))
-            file.attrs.update(format=np.bytes_("cvtflow cases"), format_version=1)
 
     def expect(self, mistakes, program="cvtflow"):
         """All of stderr, without the last line break; FOLDER represents the working directory."""
@@ -286,9 +279,8 @@ class Messages(Program):
     def test_name_the_records_in_a_folder_without_a_sweep(self):
         os.mkdir("results")
         self.cvtflow(f"run {BRIEFLY} -q -o results/a.h5")
-        self.expect(*((f"{command} results", 1, "results: a folder without the table of a sweep (cases.h5); it contains results/a.h5: name "
-                                                "one of "
-                       "these files") for command in ("report", "plot --x case --y wall", "table", "info")))
+        self.expect(*((f"{command} results", 1, "results: a folder without results of a sweep (sweep.json); it contains results/a.h5: "
+                                                "name one of these files") for command in ("report", "plot --x case --y wall", "table", "info")))
 
     def test_state_what_a_bare_number_of_a_long_run_means(self):
         for until, text in (("10", '--until 10: a number without a unit is in seconds; "10 ms" are'), ("'10 s'", ""), ("0.001", "")):
@@ -297,7 +289,7 @@ class Messages(Program):
 
     def test_of_help_are_brief(self):
         self.has(self.out("--help"), "  7    target accuracy missed", *(f"\n  {status} " for status in (0, 1, 2, 3, 4, 130)))
-        for command in ("run", "batch", "merge", "resume", "tune"):
+        for command in ("run", "batch", "resume", "tune"):
             self.has(text := self.out(f"{command} --help"), "cvtflow --help")
             self.lacks(text, "target accuracy missed")
 

@@ -302,19 +302,17 @@ void PowerCut::single_run(int cuts) {
 
 const std::vector<std::string> sweep_order{"batch", "sweep.toml", "-o", "out"};
 
-const Words worker_order = sweep_order + Words{"--worker"};
-
 std::vector<Change> PowerCut::logged_sweep(const Words& order) const {
     write_sweep("\"6 N*m\", \"12 N*m\", \"18 N*m\"", "0.2 ms");
     std::filesystem::rename(folder_ / "sweep.toml", work_ / "sweep.toml");
-    return logged(order + std::vector<std::string>{"--checkpoint-every", "5 ms", "--threads", "2"});
+    return logged(order + std::vector<std::string>{"--threads", "2"});
 }
 
 void PowerCut::sweep(int cuts, const Words& order) {
     const std::vector<Change> changes = logged_sweep(order);
     const std::string whole = hash_in(run_at_work(order).out);
     cut_and_resume(changes, cuts, [&] {
-        const bool begun = fs::exists(work_ / "out/cases.h5") || fs::exists(work_ / "out/workers/0001/cases.h5");
+        const bool begun = fs::exists(work_ / "out/sweep.json");
         const Outcome outcome = run_at_work(order);
         if (outcome.status == 0) {
             EXPECT_EQ(hash_in(outcome.out), whole) << outcome.err;
@@ -322,7 +320,7 @@ void PowerCut::sweep(int cuts, const Words& order) {
         continued_ += begun && outcome.status == 0;
         return outcome;
     });
-    EXPECT_EQ(same_, cuts);  // rows of a torn table are found without HDF5
+    EXPECT_EQ(same_, cuts);
 }
 
 TEST_F(PowerCut, OfARunLeavesWhatLeadsToTheSameBits) {
@@ -335,16 +333,10 @@ TEST_F(PowerCut, OfASweepLeavesWhatLeadsToTheSameBits) {
     EXPECT_GE(continued_, test::depth(1, 5));
 }
 
-TEST_F(PowerCut, OfAWorkerLeavesWhatLeadsToTheSameBits) {
-    sweep(test::depth(3, 20), worker_order);
-    EXPECT_GE(continued_, test::depth(1, 5));
-}
-
 using NightlyPowerCut = PowerCut;
 
 TEST_F(NightlyPowerCut, TwoHundredOfARun) { single_run(200); }
 TEST_F(NightlyPowerCut, TwoHundredOfASweep) { sweep(200, sweep_order); }
-TEST_F(NightlyPowerCut, TwoHundredOfAWorker) { sweep(200, worker_order); }
 
 }  // namespace
 }  // namespace cvtflow::tools

@@ -193,6 +193,4 @@ void Sweeps::write_sweep(const std::string& torques, const std::string& until, c
                             more);
 }
 
-engine::CaseTable Sweeps::table(const std::string& folder) const { return engine::read_cases((folder_ / folder / "cases.h5").string()); }
-
 }  // namespace cvtflow::tools

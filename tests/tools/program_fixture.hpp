@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/record/case_table.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "tests/sample_fixture.hpp"
 
@@ -95,7 +94,6 @@ protected:
     /// Writes sweep.toml: `torques` x 4 cases of tiny, which settle for 20 us and run for `until`.
     void write_sweep(const std::string& torques = "\"6 N*m\", \"12 N*m\", \"18 N*m\"", const std::string& until = "40 us",
                      const std::string& more = "") const;
-    [[nodiscard]] engine::CaseTable table(const std::string& folder = "out") const;
     /// Hash after "results hash" in the output of a command.
     [[nodiscard]] static std::string hash_in(const std::string& text) { return Program::hash_in(text, "results hash"); }
 };

@@ -435,7 +435,7 @@ class OfAScene(unittest.TestCase):
         words, silent = [CVTFLOW, "reduce", "baseline", "-o", "stopped"], subprocess.DEVNULL
         for end in (signal.SIGTERM, signal.SIGKILL):
             with subprocess.Popen(words, stdout=silent, stderr=silent) as run:
-                self.assertTrue(eventually(lambda: Path("stopped/runs/map/cases.h5").exists() and working()))
+                self.assertTrue(eventually(lambda: Path("stopped/runs/map/claims").exists() and working()))
                 run.send_signal(end)
             self.assertTrue(eventually(lambda: not working()))
 

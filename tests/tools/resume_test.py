@@ -6,12 +6,11 @@ import random
 import re
 import shutil
 import signal
-import time
 from pathlib import Path
 
 import h5py
 
-from program import (SETTLING, TO_BE_ENDED, Program, attribute, channel, depth, eventually, hash_in, main, read, rows_of, write,
+from program import (SETTLING, TO_BE_ENDED, Program, attribute, cases_of, channel, depth, eventually, hash_in, main, read, rows_of, write,
                      write_sweep)
 
 KILLED, STOPPED = 128 + signal.SIGKILL, 130
@@ -169,10 +168,8 @@ class ForeignCheckpoint(Program):
         self.assertNotEqual(Path("other.h5").read_bytes(), other)
 
 
-# Sweeps: (what, sweep, further words of the line, signal, moment, status, words of the line that continues it).
-
 CONTINUED = 'continuation = "clamping.driven"\ncheck = 0\n'
-CHECKPOINTS, SHORT = "--checkpoint-every '10 ms'", "--grace '1 us' --checkpoint-every '10 ms'"
+SHORT = "--grace '1 us'"
 TWENTY = "6, 9, 12, 15, 18"
 STEADY = """[sweep]
 scene = "control"
@@ -206,16 +203,8 @@ confirm = 0
 """
 
 
-def rows(place="workers/0001"):
-    return rows_of(f"out/{place}/cases.h5")
-
-
-def all_rows():
-    return sum(rows_of(table) for table in glob.glob("out/workers/*/cases.h5"))
-
-
-def checkpoint(case):
-    return has(f"out/checkpoints/case-{case:06}.h5")
+def done():
+    return len(cases_of("out"))
 
 
 def short():
@@ -230,12 +219,13 @@ def steady():
     write("sweep.toml", STEADY)
 
 
-WORKER = "--worker --threads 1"
+# (what, sweep, further words of the line, signal, number of cases after which it comes, status)
 ENDED = (
-    ("while a case continues from its neighbour", short, SHORT, signal.SIGTERM, lambda: checkpoint(1), STOPPED, "resume out"),
-    ("while it extrapolates steady states", steady, f"--threads 1 {SHORT}", signal.SIGTERM, lambda: checkpoint(4), STOPPED, "resume out"),
-    ("as a worker", twenty, f"{WORKER} --grace '1 us'", signal.SIGTERM, lambda: rows() >= 2, STOPPED, "resume out"),
-    ("as a worker that is killed", twenty, WORKER, signal.SIGKILL, lambda: rows() >= 2, KILLED, f"batch sweep.toml -o out {WORKER}"),
+    ("while a case continues from its neighbour", short, SHORT, signal.SIGTERM, 1, STOPPED),
+    ("while it extrapolates steady states", steady, f"--threads 1 {SHORT}", signal.SIGTERM, 4, STOPPED),
+    ("between cases", twenty, f"--threads 1 {SHORT}", signal.SIGTERM, 2, STOPPED),
+    ("by a kill", twenty, "--threads 2", signal.SIGKILL, 2, KILLED),
+    ("by a kill before its first case", twenty, "--threads 2", signal.SIGKILL, 0, KILLED),
 )
 
 
@@ -252,47 +242,39 @@ class _Sweeps(Program):
 
 class ContinuedSweep(_Sweeps):
     def test_that_is_ended_has_the_results_of_an_undisturbed_one(self):
-        for what, prepare, more, number, moment, status, rest in ENDED:
+        for what, prepare, more, number, cases, status in ENDED:
             with self.subTest(what):
                 shutil.rmtree("out", ignore_errors=True)
                 shutil.rmtree("whole", ignore_errors=True)
                 prepare()
                 self.undisturbed()
-                done = self.ended_when(self.start(f"batch sweep.toml -o out {more}"), moment, number, status)
+                ended = self.ended_when(self.start(f"batch sweep.toml -o out {more}"),
+                                        lambda: has("out/claims") and done() >= cases, number, status)
                 if status == STOPPED:
-                    self.has(done.out, "to continue: cvtflow resume out\n")
-                if "worker" in more:
-                    self.assertFalse(has("out/cases.h5"))
-                    self.assertLess(rows(), 20)
-                    self.cvtflow("merge out", 5)  # cases are missing
-                    self.has(self.out("info out"), "out: a sweep in parts, 0 of 1 running\n")  # locks and changes nothing
-                self.equal_whole(self.cvtflow(rest), "start", "status")
-                if "worker" in more:
-                    self.assertEqual(rows(), 20)
-                    self.has(self.batch().out, "; 20 before")
+                    self.has(ended.out, "to continue: cvtflow resume out\n")
+                self.assertFalse(has("out/results.csv"))
+                self.has(self.out("info out"), "\n  status              not finished, or running elsewhere\n")
+                self.has(self.out("table out"), "not finished\n")
+                self.equal_whole(self.cvtflow("resume out"), "start", "status")
 
-    def test_of_steady_lines_has_one_hash_for_threads_and_shards(self):
+    def test_of_steady_lines_has_one_hash_for_any_number_of_threads(self):
         write("sweep.toml", STEADY)
         self.undisturbed()
         starts = self.column("start", "whole")
         self.assertEqual({starts[number] for number in (2, 4, 5, 8, 10, 11)}, {"extrapolated"})
         self.assertFalse(has("whole/continuation"))
         self.equal_whole(self.batch("--threads 1", folder="one"))
-        for shard in ("1/2", "2/2"):
-            self.batch(f"--shard {shard}", folder="cut")
-        self.equal_whole(self.cvtflow("merge cut"))
 
-    def test_takes_over_the_place_of_a_dead_worker_while_another_works(self):
+    def test_runs_the_cases_of_a_process_that_has_died_while_another_works(self):
         write_sweep(TWENTY, "80 us")
         self.undisturbed()
-        dies, works = (self.start("batch sweep.toml -o out --worker --threads 1") for _ in range(2))
-        self.assertTrue(eventually(lambda: rows("workers/0001") >= 1 and rows("workers/0002") >= 1))
+        dies, works = (self.start("batch sweep.toml -o out --threads 1") for _ in range(2))
+        self.assertTrue(eventually(lambda: len(glob.glob("out/rows-*.csv")) == 2 and done() >= 3))
         dies.kill()
         self.wait(dies, KILLED)
-        done = self.wait(works)
-        self.has(done.out, "20 ok")
-        self.equal_whole(done)
-        self.assertFalse(has("out/workers/0003"))
+        ended = self.wait(works)
+        self.has(ended.out, "20 ok")
+        self.equal_whole(ended)
 
     def test_is_a_row_of_its_table_where_a_case_takes_its_process_down_and_the_others_have_their_results(self):
         """The process of the sweep dies by SIGSEGV in a case, and again when that runs alone. A case has a record while it runs."""
@@ -326,22 +308,11 @@ class ContinuedSweep(_Sweeps):
         hashes, expected = self.column("hash"), self.column("hash", "whole")
         self.assertEqual(hashes | {crashed: ""}, expected | {crashed: ""})
         self.equal_whole(self.batch("--retry crashed"))
-
-    def test_keeps_the_place_of_a_worker_when_a_case_takes_its_process_down(self):
-        write_sweep(TWENTY, "0.2 ms")
-        self.undisturbed()
-        child = self.start("batch sweep.toml -o out --worker --threads 1")
-        self.assertTrue(eventually(lambda: rows() >= 1 and os.path.getsize("out/workers/claims") >= 2 * 35))
-        time.sleep(0.05)  # into the second case, which takes five times as long
-        os.kill(int(read(f"/proc/{child.pid}/task/{child.pid}/children").split(" ")[0]), signal.SIGSEGV)
-        done = self.wait(child)
-        self.has(done.err, "its cases run again one by one")
-        self.assertFalse(has("out/workers/0002"))
-        self.equal_whole(done)
+        self.assertEqual(len(self.column("status")), 8)
 
 
-class DeepWorker(_Sweeps):
-    """Workers that die by kill -9 after numbers of cases that are drawn, every second one for good while others live."""
+class DeepWorkers(_Sweeps):
+    """Processes that die by kill -9 after numbers of cases that are drawn, every second one for good while others live."""
 
     torques, counts, kills = TWENTY, (3,), 6
 
@@ -349,19 +320,18 @@ class DeepWorker(_Sweeps):
         write_sweep(self.torques, "80 us")
         self.undisturbed()
         for workers in self.counts:
-            chance, line = random.Random(workers), f"batch sweep.toml -o out --worker --threads 1 {CHECKPOINTS}"
+            chance, line = random.Random(workers), "batch sweep.toml -o out --threads 1"
             alive = [self.start(line) for _ in range(workers)]
             for kill in range(self.kills):
-                which, until = alive.pop(chance.randrange(len(alive))), all_rows() + chance.randrange(3)
-                self.ended_when(which, lambda: all_rows() >= until, signal.SIGKILL, (KILLED, 0))
+                which, until = alive.pop(chance.randrange(len(alive))), done() + chance.randrange(3)
+                self.ended_when(which, lambda: done() >= until, signal.SIGKILL, (KILLED, 0))
                 alive += [self.start(line)] * (kill % 2 == 0 or not alive)
             for worker in alive:
-                self.wait(worker)
-            self.equal_whole(self.cvtflow("table out"), "hash", "evaluations")
+                self.equal_whole(self.wait(worker), "hash", "evaluations")
             shutil.rmtree("out")
 
 
-class NightlyWorker(DeepWorker):
+class NightlyWorkers(DeepWorkers):
     torques, counts, kills = TWENTY + ", 7, 8, 10, 11, 13", (1, 2, 7), 20
 
 

@@ -10,7 +10,7 @@ import subprocess
 from pathlib import Path
 
 from messages_test import commands_of
-from program import (BRIEFLY, BUILD, DEEP, LAB, PROGRAM, SETTLING, SOURCE, Program, attribute, channel, hash_in, hash_of, main, read,
+from program import (BRIEFLY, BUILD, DEEP, LAB, PROGRAM, SETTLING, SOURCE, Program, attribute, channel, fact, hash_in, hash_of, main, read,
                      rows_of, words_of, write, write_sweep)
 
 
@@ -344,8 +344,8 @@ class Tune(Program):
                             'verify = 2\n')
         done = self.batch()
         self.matches(done.err, "cvtflow: sweep: 2 cases verified, 0 beyond 3 %; at most: tight_tension_mean ")
-        self.assertEqual(hash_in(done.out), attribute("out/cases.h5", "results_hash"))
-        self.has(self.out("table out"), f"\naccuracy 3e-2: {attribute('out/cases.h5', 'accuracy_choice')} (largest error at the corners ")
+        self.assertEqual(hash_in(done.out), fact("out", "results_hash"))
+        self.has(self.out("table out"), f"\naccuracy 3e-2: {fact('out', 'accuracy_choice')} (largest error at the corners ")
         again = self.cvtflow("resume out")
         self.has(again.err, ", from the cache")
         self.assertEqual(hash_in(again.out), hash_in(done.out))
@@ -354,7 +354,8 @@ class Tune(Program):
         for name, value in (("detail", ""), ("method", "leapfrog-sweep"), ("share", "1"), ("step", "0"), ("error", "0.001")):
             text = re.sub(f"^{name} .*$", f"{name} {value}", text, flags=re.MULTILINE)
         write(kept, f"{text}seal {hash_of(text.encode()):016x}\n")
-        os.remove("out/cases.h5")
+        for file in ("out/sweep.json", "out/results.csv", *Path("out").glob("rows-*.csv")):
+            os.remove(file)
         self.has(self.batch("-q", 7).err, "cvtflow: sweep: misses its target: 2 cases verified, 2 beyond 3 %; at most: ")
 
 

@@ -1,17 +1,18 @@
-"""Sweeps: what is tried before one, where cases start, how they fail; where the rows of its folder come from and what is done about
-damage."""
+"""Sweeps: what is tried before one, where cases start, how they fail; processes that share one; what a folder is refused for."""
 
+import fcntl
+import json
 import os
+import re
 import shutil
 import signal
+import time
 from pathlib import Path
 
 import numpy as np
 
-from program import (SETTLING, SOURCE, Program, attribute, channel, eventually, forge, hash_in, main, read, rows_of, unsealed, write,
-                     write_sweep)
+from program import SETTLING, Program, cases_of, eventually, fact, forge, hash_in, main, read, write, write_sweep
 
-STOPPED = 130
 OTHER = "0.1.0 (deadbeef)"  # another version of the program
 
 
@@ -23,6 +24,11 @@ def put_attribute(file, name, text):
     forge(file, lambda opened: opened.attrs.__setitem__(name, np.bytes_(text)))
 
 
+def put_fact(folder, name, text):
+    path = Path(folder, "sweep.json")
+    path.write_text(json.dumps(json.loads(path.read_text(encoding="utf-8")) | {name: text}), encoding="utf-8")
+
+
 class Batch(Program):
     def test_gives_one_hash_for_every_number_of_threads_and_every_cut_and_the_run_of_each_scene(self):
         write_sweep()
@@ -30,10 +36,8 @@ class Batch(Program):
         self.has(one, "12 ok")
         for threads in (2, 3):
             self.assertEqual(hash_in(self.batch(f"--threads {threads}", folder=f"t{threads}").out), hash_in(one))
-        for shard in ("1/3", "2/3", "3/3"):
-            self.batch(f"--shard {shard}", folder="cut")
-        self.assertEqual(hash_in(self.out("merge cut")), hash_in(one))
-        self.assertEqual(self.column("hash", "cut"), self.column("hash"))
+        self.assertEqual(read("out/sweep.toml"), read("sweep.toml"))
+        self.assertFalse(has("out/claims"))
         single = self.out(f"run tiny -o none --settle --until '40 us' --step '50 ns' {SETTLING} --set load.torque=12 --set "
                           f"'clamping.driven=5 kN'")
         self.assertEqual(hash_in(single, "state hash"), self.column("hash")[4])
@@ -42,13 +46,9 @@ class Batch(Program):
         self.has(one, f"unsteady {len(unsteady)} of 12")
         self.lacks(one, "  failed  ")
 
-    def test_leaves_nothing_behind_of_a_checkpoint_that_a_kill_cut_short_and_records_cases_if_asked(self):
+    def test_records_cases_if_asked(self):
         write_sweep("6", outputs="records = true\n")
-        state = Path(SOURCE, "scenes/states/baseline.h5").read_bytes()
-        os.makedirs("out/checkpoints")
-        Path("out/checkpoints/case-000000.h5.part").write_bytes(state[:len(state) // 2])
         self.batch()
-        self.assertFalse(has("out/checkpoints"))
         self.assertEqual(len(os.listdir("out/records")), 4)
         self.has(self.out("info out/records/case-000002.h5"), "\n  status              finished\n")
 
@@ -63,49 +63,40 @@ class Batch(Program):
         self.has(shown := self.out("table out --status diverged"), "  diverged  ")
         self.lacks(shown, "  budget  ")
         self.has(self.batch("--retry budget", None).out, "; 24 before")
+        self.assertEqual(len(self.column("status")), 32)
 
     def test_of_another_sweep_is_refused_with_the_difference(self):
         write_sweep("6")
         self.batch()
         before = self.column("hash")
         write_sweep("6, 7", "50 us")
-        self.assertEqual(self.err("resume out"), "cvtflow: out/cases.h5: results of another sweep:\n"
-                                                 "  axes.load.torque = 6 in the table, 6, 7 in the sweep\n"
-                                                 "  run.until = 4e-5 in the table, 5e-5 in the sweep\n")
+        self.assertEqual(self.err("resume out"), "cvtflow: out: results of another sweep; use another folder (-o):\n"
+                                                 "  axes.load.torque = 6 there, 6, 7 in the sweep\n"
+                                                 "  run.until = 4e-5 there, 5e-5 in the sweep\n")
         self.assertEqual(self.column("hash"), before)
 
     def test_of_another_version_with_other_keys_is_refused_with_both_versions_and_a_few_of_the_keys(self):
         write_sweep("6")
         self.batch()
         keys = "".join(f"old.key_{number} = 1\n" for number in range(9))
-        put_attribute("out/cases.h5", "definition", keys + attribute("out/cases.h5", "definition"))
-        put_attribute("out/cases.h5", "program", OTHER)
+        put_fact("out", "definition", keys + fact("out", "definition"))
+        put_fact("out", "program", OTHER)
         lines = self.err("resume out").splitlines()
-        self.assertRegex(lines[0], r"out/cases.h5: results of another sweep, by cvtflow 0\.1\.0 \(deadbeef\), where this is .*; use another "
-                                   r"folder \(-o\):\Z")
-        self.assertEqual((lines[1], len(lines), lines[-1]), ("  old.key_0 = 1 in the table, nothing in the sweep", 8, "  and 3 more"))
-
-    def test_into_a_folder_that_another_writes_is_refused(self):
-        write_sweep("6", "20 ms")
-        self.start("batch sweep.toml -o out -q")
-        self.assertTrue(eventually(lambda: has("out/cases.h5")))
-        self.assertEqual(self.batch("", 1).err, "cvtflow: out: another sweep is writing into it\n")
-        self.assertEqual(self.batch("--worker", 1).err,
-                         "cvtflow: out: this sweep was begun without workers; continue it without --worker\n")
+        self.assertEqual((lines[1], len(lines), lines[-1]), ("  old.key_0 = 1 there, nothing in the sweep", 8, "  and 4 more"))
 
     def test_on_a_full_disk_keeps_what_it_has_and_continues_later(self):
         write_sweep(", ".join(str(torque) for torque in range(1, 21)), "20 us")
-        full = self.shell('ulimit -f 120; "$CVTFLOW" batch sweep.toml -o out -q --threads 1', 1)
-        self.assertRegex(full.stderr, r"\Acvtflow: out/cases.h5: cannot write: File too large; [0-9]+ cases are saved\n\Z")
-        saved = rows_of("out/cases.h5")
+        full = self.shell('ulimit -f 16; "$CVTFLOW" batch sweep.toml -o out -q --threads 1', 1)
+        self.assertRegex(full.stderr, r"\Acvtflow: out/rows-\S+\.csv: cannot write: File too large; [0-9]+ cases are saved\n\Z")
+        saved = len(cases_of("out"))
         self.assertTrue(0 < saved < 80, saved)
         self.has(self.out("resume out"), f"; {saved} before")
         self.assertEqual(len(self.column("hash")), 80)
 
-    def test_that_cannot_write_its_checkpoints_stops_and_blames_no_case(self):
-        write_sweep("6", "2 ms")
-        write("out/checkpoints", "a file in the way")
-        self.assertTrue(self.batch("--checkpoint-every '1 ms' -q", 1).err.startswith("cvtflow: out/checkpoints"))
+    def test_that_cannot_write_its_states_stops_and_blames_no_case(self):
+        write_sweep("6", "2 ms", mode="shared")
+        write("out/states", "a file in the way")
+        self.assertTrue(self.batch("-q", 1).err.startswith("cvtflow: out/states"))
         self.lacks(self.out("table out --status bad_parameters --csv"), "bad_parameters")
 
     def test_shares_a_settled_state_and_continues_from_neighbours(self):
@@ -125,7 +116,7 @@ class Batch(Program):
         separate = self.column("slip_mean", "own")[7]
         self.assertNotEqual(separate, slip[7])
         gap = abs(slip[7] - separate)  # the differences in the table are those to a sweep without continuation
-        self.assertTrue(attribute("out/cases.h5", "continuation_error").startswith(
+        self.assertTrue(fact("out", "continuation_error").startswith(
             f"1 case, at most: slip mean {gap:.2g} ({100 * gap / abs(separate):.2g} %), tight_tension max "))
 
     def units_of_its_csv(self):
@@ -193,23 +184,16 @@ class BatchFailures(Program):
                  "failed              12 of 12 cases (100 %)\n", "12 bad_parameters: chain.pins: ", "(first: case 0)")
         self.assertEqual(len(self.column("status")), 12)
         self.has(self.out("resume out --keep-going", 5), "sweep: finished\n", "failed              24 of 24 cases (100 %)\n")
-        self.has(self.batch("--worker", 5, "shared").err, "the first 12 cases all failed alike")
-        self.assertFalse(has("shared/cases.h5"))
+        self.has(self.out("info out"), "failed              24 of 24 cases (100 %)\n")
 
     def test_that_are_alike_do_not_stop_a_sweep_in_which_a_case_has_ended_well(self):
         write_sweep("1, 2, 3, 4, 5, 6", more='[[axes]]\nkey = "start.ratio"\nvalues = [1.0, 0.3, 0.3, 0.3]\n')
         self.has(self.batch("--threads 1", 5).out, "sweep: finished\n", "failed              72 of 96 cases (75 %)\n",
                  "72 bad_parameters: chain.pins: ", "(first: case 1)")
 
-    def test_fail_what_joins_them(self):
-        for shard in ("1/2", "2/2"):
-            self.batch(f"--keep-going --shard {shard}", 5, "cut")
-        for line, status in (("merge cut", 5), ("info cut", 0)):
-            self.has(self.out(line, status), "failed              24 of 24 cases (100 %)\n")
-
 
 class BatchOrigin(Program):
-    """Rows of a folder come from one program and one start, or from several knowingly."""
+    """Rows of a folder come from one program and one start."""
 
     def settle(self, file, load):
         """A state of tiny, settled for a moment with that load."""
@@ -227,13 +211,13 @@ class BatchOrigin(Program):
         self.write_from("a.h5")
         self.batch()
 
-    def refused(self, line, *parts, kept="out/cases.h5"):
+    def refused(self, line, *parts, kept="out/results.csv"):
         before = Path(kept).read_bytes()
         self.has(self.err(line), *parts)
         self.assertEqual(Path(kept).read_bytes(), before)
 
     def version(self):
-        return attribute("out/cases.h5", "program")
+        return fact("out", "program")
 
     def test_is_in_every_row(self):
         self.assertEqual(set(self.column("program").values()), {self.version()})
@@ -248,34 +232,26 @@ class BatchOrigin(Program):
         self.write_from("c.h5")
         self.batch()
         self.settle("c.h5", 12)
-        self.refused("batch sweep.toml -o out", "out/cases.h5: content of start.state ", "--mixed")
+        self.refused("batch sweep.toml -o out", "  content of start.state ")
         self.lacks(self.batch("", 1).err, "program ")
         self.refused("resume out")
-        self.batch("--mixed")
 
-    def test_of_shards_must_agree(self):
-        self.batch("--shard 1/2", folder="cut")
-        self.settle("a.h5", 12)
-        self.batch("--shard 2/2", folder="cut")
-        self.has(self.err("merge cut"), "cut/workers/0002/cases.h5: content of start.state ")
-        self.assertFalse(has("cut/cases.h5"))
-        put_attribute("cut/workers/0001/cases.h5", "program", OTHER)
-        self.has(self.err("merge cut"), f"program {OTHER} there, ")
-        self.cvtflow("merge cut --mixed")
-        self.assertEqual(attribute("cut/cases.h5", "program"), f"{OTHER}; {self.version()}")
-
-    def test_of_another_version_of_the_program_or_with_records_is_continued_only_knowingly(self):
+    def test_of_another_version_of_the_program_or_with_records_is_refused(self):
         self.write_from("a.h5", "records = true\n")
-        self.refused("batch sweep.toml -o out", "out/cases.h5: outputs.records false there, true here; ")
+        self.refused("batch sweep.toml -o out", "  outputs.records false there, true here\n")
         self.assertFalse(has("out/records"))
         self.write_from("a.h5")
         here = self.version()
-        put_attribute("out/cases.h5", "program", OTHER)
+        put_fact("out", "program", OTHER)
         for line in ("batch sweep.toml -o out", "resume out"):
-            self.refused(line, f"out/cases.h5: program {OTHER} there, {here} here; ")
-        self.cvtflow("resume out --mixed")
-        self.assertEqual(self.version(), f"{OTHER}; {here}")
-        self.batch("", 1)  # it stays mixed
+            self.refused(line, f"  program {OTHER} there, {here} here\n")
+
+    def test_of_version_04_is_refused_with_what_to_do(self):
+        os.mkdir("old")
+        write("old/cases.h5", "")
+        for line in ("batch sweep.toml -o old", "resume old", "table old", "info old", "plot old --x a --y b", "diff old out"):
+            self.has(self.err(line), "old: results of cvtflow 0.4 or before, ", "`cvtflow table DIR --csv` of that version")
+        self.assertEqual(os.listdir("old"), ["cases.h5"])
 
     def test_of_shared_states_is_compared(self):
         write_sweep("6", "20 us", mode="shared")
@@ -284,11 +260,10 @@ class BatchOrigin(Program):
         os.makedirs("other/states")
         shutil.copy(f"shared/states/{state}", "other/states")
         put_attribute(f"other/states/{state}", "program", f"cvtflow {OTHER}, GNU")
-        self.has(self.batch("", 1, "other").err, "a shared start state settled by cvtflow ", "deadbeef", "--mixed")
-        self.batch("--mixed", folder="other")
+        self.has(self.batch("", 1, "other").err, "a shared start state settled by cvtflow ", "deadbeef")
         os.makedirs("third/states")
         shutil.copy("b.h5", f"third/states/{state}")
-        self.has(self.batch("--mixed", 1, "third").err, "a shared start state of another scene than its name promises")
+        self.has(self.batch("", 1, "third").err, "a shared start state of another scene than its name promises")
 
     def test_of_a_checkpoint_is_compared(self):
         self.cvtflow("run tiny -o r.h5 --until '1 ms' --settle --checkpoint-every '1 s' --set run.max_steps=400 --set "
@@ -299,60 +274,68 @@ class BatchOrigin(Program):
         self.assertNotEqual(self.cvtflow("resume r.checkpoint.h5 --mixed --set run.max_steps=0", None).status, 1)
 
 
-CASE = "out/{}/case-000000.h5"
-ANEW = "case 0 restarts: its checkpoint cannot be used: "
+class SharedSweep(Program):
+    """Several processes run one sweep in one folder."""
 
+    def start_worker(self, more=""):
+        return self.start(f"batch sweep.toml -o out --threads 1 {more}")
 
-def change_a_byte(name):
-    data = bytearray(Path(name).read_bytes())
-    data[len(data) // 2] ^= 4
-    Path(name).write_bytes(data)
+    def test_shows_its_progress_to_people_and_programs_and_one_hash_in_the_end(self):
+        write_sweep("6, 9, 12, 15, 18", "80 us")
+        whole = hash_in(self.batch(folder="whole").out)
+        workers = [self.start_worker() for _ in range(2)]
+        self.assertTrue(eventually(lambda: len(cases_of("out")) >= 3))
+        shown = json.loads(self.out("info out --json"))
+        self.assertEqual((shown["cases"], shown["status"]), (20, "running"))
+        self.assertTrue(3 <= shown["done"] < 20 and shown["running"] in (1, 2), shown)
+        self.has(self.out("info out"), "\n  status              running\n", "rows-")
+        done = [self.wait(worker) for worker in workers]
+        self.assertEqual([hash_in(each.out) for each in done], [whole, whole])
+        self.assertEqual(sum(int(re.search(r"(\d+) now", each.out)[1]) for each in done), 20, "no case ran twice")
+        self.assertEqual(read("out/results.csv").count("\n"), 21)
+        self.out("diff out whole")
 
+    def test_ends_with_a_line_of_json(self):
+        write_sweep()
+        last = json.loads(self.batch("--json").out.splitlines()[-1])
+        expected = {"event": "finished", "statuses": {"ok": 12}, "done": 12, "exit_status": 0, "table": "out/results.csv",
+                    "results_hash": fact("out", "results_hash")}
+        self.assertEqual({name: last[name] for name in expected}, expected)
 
-class StoppedSweep(Program):
-    """Two of four cases, side by side, were stopped by a hangup with checkpoints and records in out; the whole sweep is in whole."""
+    def test_continues_strands_and_checks_them_as_one_process_does(self):
+        write_sweep("6, 9, 12", more='continuation = "clamping.driven"\ncheck = 2\n')
+        whole = hash_in(self.batch(folder="whole").out)
+        workers = [self.start_worker() for _ in range(2)]
+        self.assertEqual([hash_in(self.wait(worker).out) for worker in workers], [whole, whole])
+        self.assertEqual(*(fact(folder, "continuation_error") for folder in ("out", "whole")))
 
-    def make(self):
-        write_sweep("6", "0.6 ms", outputs="records = true\n")
-        self.batch(folder="whole")
-        child = self.start("batch sweep.toml -o out --threads 2 --grace '1 us' --checkpoint-every '10 ms'")
-        parts = [f"out/records/case-00000{k}.h5.part" for k in (0, 1)]  # beyond settling, whose checkpoint needs no record
-        stopped = self.ended_when(child, lambda: all(rows_of(part) > 0 for part in parts), signal.SIGHUP, STOPPED)
-        self.has(stopped.out, "to continue: cvtflow resume out\n")
-        self.assertTrue(has(CASE.format("checkpoints"), "out/checkpoints/case-000001.h5"))
+    def test_settles_by_itself_where_another_writes_the_same_shared_start(self):
+        """Equal machines settle the same state in the same time."""
+        write_sweep(mode="shared")
+        whole = hash_in(self.batch(folder="whole").out)
+        os.makedirs("out/states")
+        written = [open(f"out/states/{state}.part", "w+b") for state in os.listdir("whole/states")]
+        self.assertTrue(written)
+        for file in written:
+            self.addCleanup(file.close)
+            fcntl.flock(file, fcntl.LOCK_EX)
+            fcntl.lockf(file, fcntl.LOCK_EX)
+        self.assertEqual(hash_in(self.batch().out), whole)
 
-    def test_continues_bit_for_bit_and_begins_a_case_anew_whose_checkpoint_or_record_is_damaged_or_that_of_another(self):
-        kept = shutil.copytree("out", "kept")
-        for damage, said in (
-                (lambda: None, None),
-                (lambda: change_a_byte(CASE.format("checkpoints")), f"cvtflow: {ANEW}out/checkpoints/case-000000.h5: damaged"),
-                (lambda: shutil.copy("out/checkpoints/case-000001.h5", CASE.format("checkpoints")),
-                 f"{ANEW}out/checkpoints/case-000000.h5: not a checkpoint of this scene:\n  clamping.driven = "),
-                (lambda: [file.unlink() for file in Path("out/records").glob("case-000000*")],
-                 f"{ANEW}out/records/case-000000.h5: the checkpoint's record does not exist")):
-            with self.subTest(said):
-                shutil.rmtree("out")
-                shutil.copytree(kept, "out")
-                damage()
-                rest = self.cvtflow("resume out")
-                self.has(rest.err, said or "")
-                self.lacks(rest.err, "case 1 restarts", *([] if said else ["restarts"]))
-                self.assertEqual(hash_in(rest.out), attribute("whole/cases.h5", "results_hash"))
-                self.assertFalse(has("out/checkpoints"))
-                self.assertEqual({path.suffix for path in Path("out/records").iterdir()}, {".h5"}, "left behind")
-                record, whole = CASE.format("records"), "whole/records/case-000000.h5"
-                self.assertEqual(channel(record, "time").tolist(), channel(whole, "time").tolist())
-                self.assertEqual(attribute(record, "state_hash"), attribute(whole, "state_hash"))
-
-
-def keep_rows(table, rows):
-    """A table of some of its rows; each has a check."""
-    def change(file):
-        cases = file["cases"][:][rows]
-        file["cases"].resize(len(rows), 0)
-        file["cases"][:] = cases
-
-    forge(table, change)
+    def test_goes_on_beside_a_frozen_process_which_may_come_back(self):
+        """The frozen one lives, so its case is waited for; when it comes back, all is as ever."""
+        write_sweep("6, 9, 12", "0.2 ms")
+        whole = hash_in(self.batch(folder="whole").out)
+        frozen = self.start_worker()
+        self.assertTrue(eventually(lambda: len(cases_of("out")) >= 1))
+        child = int(read(f"/proc/{frozen.pid}/task/{frozen.pid}/children").split(" ")[0])
+        os.kill(child, signal.SIGSTOP)
+        other = self.start_worker()
+        self.assertTrue(eventually(lambda: len(cases_of("out")) >= 11))
+        time.sleep(0.3)
+        self.assertIsNone(other.poll(), "it waits for the last case")
+        os.kill(child, signal.SIGCONT)
+        self.assertEqual([hash_in(self.wait(each).out) for each in (frozen, other)], [whole, whole])
 
 
 class LostRows(Program):
@@ -361,74 +344,37 @@ class LostRows(Program):
         continues, but one with a gap, or without an end, begins anew."""
         write_sweep("6", "0.4 ms", 'continuation = "clamping.driven"\ncheck = 0\n')
         whole = self.batch(folder="whole")
-        child = self.start("batch sweep.toml -o stopped --grace '1 us' --checkpoint-every '10 ms' -q")
-        self.ended_when(child, lambda: has("stopped/checkpoints/case-000003.h5"), signal.SIGTERM, STOPPED)
-        self.assertEqual(rows_of("stopped/cases.h5"), 3)
-        for left, end, now in (([0], "", "3 now"), ([0, 2], "", "4 now"), ([0, 1, 2], "", "1 now"), ([0], "end-000000.h5", "4 now")):
+        child = self.start("batch sweep.toml -o stopped --grace '1 us' -q")
+        self.ended_when(child, lambda: len(cases_of("stopped")) == 3, signal.SIGKILL, 128 + signal.SIGKILL)
+        rows, = Path("stopped").glob("rows-*.csv")
+        lines = rows.read_text(encoding="utf-8").splitlines(keepends=True)
+        self.assertEqual(len(lines), 4)
+        for left, end in (([0], ""), ([0, 2], ""), ([0, 1, 2], ""), ([0], "end-000000.h5")):
             shutil.rmtree("out", ignore_errors=True)
             shutil.copytree("stopped", "out")
             if end:
                 os.remove(f"out/continuation/{end}")
-            keep_rows("out/cases.h5", left)
+            Path("out", rows.name).write_text("".join([lines[0], *(lines[1 + k] for k in left)]), encoding="utf-8")
             rest = self.cvtflow("resume out")
             self.assertEqual(hash_in(rest.out), hash_in(whole.out))
             self.assertEqual(self.column("start"), self.column("start", "whole"))
-            self.has(rest.out, now)
 
-
-class TornSweep(Program):
-    """A table of twelve rows as a power cut may leave it while it grows: row 5 is damaged, and for the last tests its head."""
-
-    def make(self):
+    def test_that_are_damaged_are_named_and_run_again(self):
         write_sweep()
-        self.batch(folder="whole")
+        whole = hash_in(self.batch(folder="whole").out)
         shutil.copytree("whole", "out")
-        self.table = Path("out/cases.h5")
-        damaged = bytearray(self.table.read_bytes())
-        at = damaged.index(self.column("hash")[5].encode())
-        damaged[at] = ord("0" if damaged[at] == ord("f") else "f")
-        self.table.write_bytes(damaged)
-        for command in ("resume", "table"):
-            self.assertEqual(self.err(f"{command} out"),
-                             "cvtflow: out/cases.h5: damaged HDF5 file (changed after it was finished: its checksum differs)\n")
-        self.table.write_bytes(unsealed(self.table))  # as a kill leaves it: each row has a check
-
-    def setUp(self):
-        super().setUp()
-        self.table, self.whole = Path("out/cases.h5"), attribute("whole/cases.h5", "results_hash")
-        self.torn = bytes(48) + self.table.read_bytes()[48:]  # nor does HDF5 find the others
-
-    def test_is_read_by_no_other_command(self):
-        before = self.table.read_bytes()
-        self.assertEqual(self.err("table out"), "cvtflow: out/cases.h5: row 5 is damaged: its checksum differs\n")
-        self.assertEqual(self.table.read_bytes(), before)
-        self.table.write_bytes(before[:len(before) // 2])
-        self.assertTrue(self.err("resume out").startswith("cvtflow: out/cases.h5: truncated HDF5 file: "))
-
-    def test_continues_with_the_rows_that_are_whole_also_where_hdf5_finds_none(self):
-        kept = self.table.read_bytes()
-        for damaged, line, why in ((kept, "resume out", "row 5 is damaged: its checksum differs"),
-                                   (self.torn, "batch sweep.toml -o out", "not an HDF5 file")):
-            self.table.write_bytes(damaged)
-            if damaged != kept:
-                self.assertEqual(self.err("resume out"), "cvtflow: out/cases.h5: not an HDF5 file\n  to continue with the intact rows: "
-                                                         "cvtflow batch SWEEP -o out\n")
-                self.assertEqual(self.table.read_bytes(), self.torn)
-            done = self.cvtflow(line)
-            self.has(done.err, f"cvtflow: out/cases.h5: {why}; intact rows are kept: 11; the other cases run again\n")
-            self.has(done.out, "1 now")
-            self.assertEqual(hash_in(done.out), self.whole)
-
-    def test_is_refused_by_another_sweep_or_another_shard(self):
-        self.table.write_bytes(self.torn)
-        write_sweep("6, 12, 18", "50 us")
-        self.assertEqual(self.batch("", 1).err, "cvtflow: out/cases.h5: not an HDF5 file\n")
-        write_sweep()
-        os.makedirs("out/workers/0001")
-        shutil.copy(self.table, "out/workers/0001")
-        self.assertEqual(self.batch("--shard 1/2", 1).err, "cvtflow: out/workers/0001/cases.h5: not an HDF5 file\n")
-        for table in (self.table, Path("out/workers/0001/cases.h5")):
-            self.assertEqual(table.read_bytes(), self.torn)
+        results, rows = Path("out/results.csv"), next(Path("out").glob("rows-*.csv"))
+        text = results.read_text(encoding="utf-8")
+        results.write_text(text.replace(",ok,", ",ko,", 1), encoding="utf-8")
+        for line in ("table out", "diff out whole", "info out", "resume out"):
+            self.has(self.err(line), "out/results.csv:2: its checksum differs")
+        os.remove(results)
+        put_fact("out", "status", "running")
+        rows.write_text(text.replace(",ok,", ",ko,", 1)[:-20], encoding="utf-8")  # and a torn last line
+        done = self.cvtflow("resume out")
+        self.has(done.err, ":2: its checksum differs; its case runs again\n")
+        self.has(done.out, "2 now")
+        self.assertEqual(hash_in(done.out), whole)
 
 
 if __name__ == "__main__":

@@ -81,7 +81,7 @@ std::vector<std::filesystem::path> read_files(const std::vector<std::string>& fi
     std::vector<std::filesystem::path> read;
     for (const std::string& file : files) {
         read.emplace_back(file);
-        read.push_back(std::filesystem::path(file) / "cases.h5");
+        read.push_back(std::filesystem::path(file) / "results.csv");
     }
     return read;
 }

@@ -38,9 +38,6 @@ struct Program {
 Action declare_run(CLI::App& app);
 Action declare_resume(CLI::App& app);
 Action declare_batch(CLI::App& app);
-Action declare_table(CLI::App& app);
-Action declare_merge(CLI::App& app);
-Action declare_diff(CLI::App& app);
 Action declare_settle(CLI::App& app);
 Action declare_check(CLI::App& app);
 Action declare_info(CLI::App& app);

@@ -87,26 +87,5 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// The results of a sweep (`cases.h5`), in the order of cases.
-class CVTFLOW_EXPORT Table {
-public:
-    explicit Table(const std::string& path);
-    ~Table();
-    Table(Table&& other) noexcept;
-    Table& operator=(Table&& other) noexcept;
-
-    [[nodiscard]] RecordAttributes attributes() const;
-    [[nodiscard]] std::vector<Column> columns() const;
-    [[nodiscard]] std::size_t rows() const noexcept;
-    /// A column of numbers [rows]. @throws Error (argument) for unknown names, or columns of texts
-    [[nodiscard]] std::vector<double> numbers(const std::string& column) const;
-    /// Any column as texts [rows]; numbers so that they read back as the same double. @throws Error (argument)
-    [[nodiscard]] std::vector<std::string> texts(const std::string& column) const;
-
-private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
-};
-
 }  // namespace v0
 }  // namespace cvtflow

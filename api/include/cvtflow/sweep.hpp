@@ -29,16 +29,16 @@ public:
 
     [[nodiscard]] const std::string& name() const noexcept;
     [[nodiscard]] long cases() const noexcept;
-    /// Runs the cases that are not in the folder's table yet, and waits for them. A sweep that was stopped or killed continues. Results do
-    /// not depend on threads or interruptions. A sweep with [accuracy] is tuned first and verified in the end; its table has the errors in
+    /// Runs the cases that have no row in the folder yet, and waits for them. A sweep that was stopped or killed continues. Results do
+    /// not depend on threads or interruptions. A sweep with [accuracy] is tuned first and verified in the end; its rows have the errors in
     /// columns `error_of_...`.
     /// @param threads 0: as many as the process may use
     /// @param progress called after each case, by one worker at a time
-    /// @return whether all cases are in the table `folder`/cases.h5; false after cancel()
-    /// @throws Error (record) for folders and tables; (state) for results of another sweep, program version or start state, or if the first
+    /// @return whether all cases are in `folder`/results.csv; false after cancel()
+    /// @throws Error (record) for folders and rows; (state) for results of another sweep, program version or start state, or if the first
     /// dozen cases all fail with the same message; (argument)
     bool run(const std::string& folder, int threads = 0, std::function<void(const SweepProgress&)> progress = {});
-    /// Requests the end of run(), from any thread or signal handler; running cases write checkpoints. One request ends one run.
+    /// Requests the end of run(), from any thread or signal handler; cases that it interrupts run again later. One request ends one run.
     void cancel() noexcept;
 
 private:

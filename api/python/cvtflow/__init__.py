@@ -42,7 +42,6 @@ if typing.TYPE_CHECKING:
     from ._simulation import Threads as Threads
     from ._sweep import Sweep as Sweep
     from ._sweep_file import SweepFile as SweepFile
-    from ._sweep_file import Table as Table
     from ._tables import Results as Results
     from ._tune import Tuning as Tuning
     from ._tune import tune as tune
@@ -59,7 +58,7 @@ _MODULES = {
     "_results": "Rows run",
     "_series": "Record",
     "_sweep": "Sweep",
-    "_sweep_file": "SweepFile Table",
+    "_sweep_file": "SweepFile",
     "_tables": "Results",
     "_tune": "Tuning tune",
     "_fit": "Fit fit",

@@ -8,7 +8,8 @@ import importlib.util
 import os
 import sys
 
-COMMANDS = {"plot": "plot", "report": "report", "export-fmu": "export_fmu", "reduce": "reduce", "clamp": "clamp"}  # module of commands/ by name
+COMMANDS = {"table": "table", "diff": "diff", "plot": "plot", "report": "report", "export-fmu": "export_fmu", "reduce": "reduce",
+            "clamp": "clamp"}  # module of commands/ by name
 
 
 def _load_package():

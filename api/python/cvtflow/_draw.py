@@ -66,20 +66,19 @@ def main():
     gc.set_threshold(100_000)  # a process of two seconds: by default a tenth of them are searches for cycles
     request = json.load(sys.stdin.buffer)
     os.chdir("/")  # a matplotlibrc in the working folder has no effect
-    draws, sweeps = request["command"] != "rainflow", "axes" in request
+    sweeps = "axes" in request
     if sweeps:
         _end_with_program()
-    _require(["numpy"] + ["matplotlib"] * draws + ["h5py"] * ("records" in request or sweeps)
+    _require(["numpy", "matplotlib"] + ["h5py"] * ("records" in request or sweeps)
              + ["jinja2"] * (request["command"] == "report"))
     _package()
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is a message
     folder = tempfile.mkdtemp(prefix="cvtflow-")
     try:
-        if draws:
-            os.environ["MPLCONFIGDIR"] = folder
-            _own_fonts(folder)
-            importlib.import_module("matplotlib.artist").kwdoc = lambda artist: ""  # help texts of 100 classes, a tenth of the time
+        os.environ["MPLCONFIGDIR"] = folder
+        _own_fonts(folder)
+        importlib.import_module("matplotlib.artist").kwdoc = lambda artist: ""  # help texts of 100 classes, a tenth of the time
         made = importlib.import_module("cvtflow._requested").made
         output.write(made(request))
     finally:

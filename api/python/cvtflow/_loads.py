@@ -113,17 +113,19 @@ def _json(load, classes, exponent, round_time):
             "classes": load.classes(classes), "cycles": [dict(zip(load.cycles.dtype.names, row)) for row in load.cycles.tolist()]}
 
 
-def requested(request, record):
-    """The bytes that `cvtflow table --rainflow` prints."""
-    options = request["options"]
-    until = np.inf if options["until"] is None else options["until"]
-    found = loads(record, options["channels"], options["from"], until)
+PROVENANCE = ("program_version", "commit", "compiler", "build_type", "instruction_set", "cpu", "cores", "os", "date")
+
+
+def printed(record, channels, begin, until, classes, exponent, kind, si):
+    """The text that `cvtflow table --rainflow` prints. begin, until: times [s]; kind: "text", "csv" or "json"."""
+    found = loads(record, channels, begin, until)
     round_time = record.scene["chain.pins"] / record.pin_frequency if record.pin_frequency else 0.0
-    how = options["classes"], options["exponent"], round_time
-    if request["format"] == "csv":
-        return _csv(found).encode()
-    if request["format"] == "text":
-        return "\n".join(_text(load, *how, options["si"]) for load in found).encode()
+    how = classes, exponent, round_time
+    if kind == "csv":
+        return _csv(found)
+    if kind == "text":
+        return "\n".join(_text(load, *how, si) for load in found)
+    attributes = {name: record.attributes[name] for name in PROVENANCE if name in record.attributes}
     page = {"record": record.path, "method": "ASTM E1049 rainflow", "loads": [_json(load, *how) for load in found],
-            "provenance": json.loads(request["provenance"])}
-    return (json.dumps(finite(page), indent=2, ensure_ascii=False) + "\n").encode()
+            "provenance": {name: value.item() if hasattr(value, "item") else value for name, value in attributes.items()}}
+    return json.dumps(finite(page), indent=2, ensure_ascii=False) + "\n"

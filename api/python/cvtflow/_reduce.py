@@ -304,7 +304,7 @@ class Map:
                 made[place] = np.interp(load, load[has], made[place][has])
                 lines[place] = made[place]
         if not lines:
-            raise RuntimeError("no load of the map has a steady case: see the column status of map/cases.h5")
+            raise RuntimeError("no load of the map has a steady case: see the column status of map/results.csv")
         for place in np.ndindex(self.shape[:-1]):
             if place not in lines:
                 made[place] = lines[min(lines, key=lambda other: sum(abs(a - b) for a, b in zip(place, other)))]

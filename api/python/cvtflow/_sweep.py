@@ -16,7 +16,7 @@ from typing import Any
 
 from ._errors import RecordError, SceneError, StateError
 from ._scene import Scene, flat, is_path, opened, resolve, toml
-from ._sweep_file import SweepFile, Table
+from ._sweep_file import SweepFile
 from ._tables import Results
 
 
@@ -141,17 +141,17 @@ class Sweep:
 
         progress  True: one line that replaces itself, where stderr is a terminal or in a notebook, else nothing; False or None: nothing;
                   a function: called as progress(SweepProgress) after each case, on a worker's thread
-        client    a distributed.Client: every worker of that Dask cluster becomes a worker of the sweep, by `cvtflow batch --worker`, on so
+        client    a distributed.Client: every worker of that Dask cluster becomes a worker of the sweep, by `cvtflow batch`, on so
                   many threads each. The folder is one that all of them see, and the program `cvtflow` is on their PATH. Progress is
                   looked up once a second. Raises RuntimeError with what a worker printed that could not work.
-        Ctrl-C ends it; running cases leave checkpoints, and the next call continues. Raises StateError if the folder holds another sweep,
+        Ctrl-C ends it, and the next call continues with the cases that have not ended. Raises StateError if the folder holds another sweep,
         whose files stay as they are.
         """
         folder = Path(folder)
         if client is not None:
             return self._run_on(client, folder.absolute(), threads, progress)
         folder.mkdir(parents=True, exist_ok=True)
-        if (folder / "cases.h5").exists() and not self._has_files(folder):
+        if (folder / "sweep.json").exists() and not self._has_files(folder):
             with tempfile.TemporaryDirectory() as elsewhere:  # of another sweep: it is refused; else it continues
                 _run(self.write(Path(elsewhere, "sweep.toml")), folder, threads, progress)
         else:
@@ -166,7 +166,7 @@ class Sweep:
         from distributed import Event
 
         folder.mkdir(parents=True, exist_ok=True)
-        if any((folder / name).exists() for name in ("cases.h5", "workers")) and not self._has_files(folder):
+        if (folder / "sweep.json").exists() and not self._has_files(folder):
             raise StateError(f"{folder}: results of another sweep")
         self.write(folder / "sweep.toml")
         stop = Event(f"cvtflow-{folder}", client=client)
@@ -197,9 +197,8 @@ class Sweep:
 
     @staticmethod
     def results(folder: str | os.PathLike[str]) -> Results:
-        """The Results in a folder or a table."""
-        path = Path(folder)
-        return Results(Table(str(path / "cases.h5" if path.is_dir() else path)))
+        """The Results in a folder, finished or not, or in a CSV of them."""
+        return Results(folder)
 
     def submit(self, folder: str | os.PathLike[str], *arguments: str, workers: int = 10) -> str:
         """Submits a job array of workers to Slurm, with further arguments of `sbatch`, such as "--time=4:00:00". Returns the job's number.
@@ -215,7 +214,7 @@ class Sweep:
         folder.parent.mkdir(parents=True, exist_ok=True)
         _check(files)
         _replace(files, lambda there, text: there == text)
-        worker = shlex.join(["exec", program, "batch", str(next(iter(files))), "-o", str(folder), "--worker"])
+        worker = shlex.join(["exec", program, "batch", str(next(iter(files))), "-o", str(folder)])
         return subprocess.run(["sbatch", "--parsable", f"--array=1-{workers}", "--requeue", *arguments, "--wrap", worker], check=True,
                               stdout=subprocess.PIPE, text=True).stdout.strip()
 
@@ -287,7 +286,7 @@ def _work(folder, threads):
     from distributed import Event
 
     stop = Event(f"cvtflow-{folder}")
-    command = ["cvtflow", "batch", f"{folder}/sweep.toml", "-o", folder, "--worker", "-q", *(["--threads", str(threads)] if threads else [])]
+    command = ["cvtflow", "batch", f"{folder}/sweep.toml", "-o", folder, "-q", *(["--threads", str(threads)] if threads else [])]
     with tempfile.TemporaryFile("w+") as said:
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=said)
         while process.poll() is None:
@@ -299,7 +298,7 @@ def _work(folder, threads):
 
 
 def _done(folder, last={"cases": 0, "done": 0, "failed": 0}):
-    """How far the sweep in a folder is; as `last` while its table is being replaced."""
+    """How far the sweep in a folder is; as `last` before it has begun."""
     told = subprocess.run(["cvtflow", "info", str(folder), "--json"], capture_output=True, text=True)
     return json.loads(told.stdout) if told.returncode == 0 else last
 

@@ -9,14 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from . import _rows
 from ._known import UnknownName, is_key, quantity, suggestion
 
 
-COUNTS = ("case", "steps", "evaluations", "transitions", "truncated", "settling_evaluations", "threads")
+COUNTS = ("case", "steps", "evaluations", "transitions", "truncated", "settling_evaluations")
 
 
 def _column(name, values):
-    """Counts as int64 where every case has one."""
+    """Numbers as an array, counts as int64 where every case has one."""
+    if isinstance(values, list) and not (values and isinstance(values[0], str)):
+        values = np.array(values, dtype=float)
     return values.astype(np.int64) if name in COUNTS and np.isfinite(values).all() else values
 
 
@@ -25,8 +28,11 @@ class Results(dict[str, Any]):
     contains units and descriptions by column."""
 
     def __init__(self, table: Any) -> None:
-        if not hasattr(table, "columns") or isinstance(table, (str, bytes, os.PathLike)):
-            raise TypeError(f"Results() takes a Table, not {type(table).__name__}; Sweep.results(folder) reads a sweep's folder")
+        """table: a sweep's folder, its results.csv or another CSV of it, also of a running sweep. Raises OSError, ValueError."""
+        if isinstance(table, (str, os.PathLike)):
+            table = _rows.read(table)
+        if not hasattr(table, "columns"):
+            raise TypeError(f"Results() takes a sweep's folder, not {type(table).__name__}")
         super().__init__((column.name, _column(column.name, table.read(column.name))) for column in table.columns())
         self.info = {column.name: column for column in table.columns()}
         self.attributes = attributes = table.attributes()

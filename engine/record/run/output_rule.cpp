@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "engine/base/input_file.hpp"
-#include "engine/record/case_table.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
 #include "engine/record/run/part_file.hpp"
 #include "engine/record/run/run_reader.hpp"
@@ -247,30 +246,6 @@ bool is_state_file(const std::string& file) {
     if (hdf5_version(file) != 2) return false;
     const std::optional<std::string> format = format_of(file);
     return !format || *format == "cvtflow state";
-}
-
-namespace {
-
-/// Whether a power cut left only some pages of a table, in any order, before its first rows. HDF5 cannot read it, it has no seal, and no
-/// page states that it is a record.
-bool is_torn_beginning(const std::string& part) {
-    return part.ends_with(".part") && !torn_while_growing(part, "cvtflow run") && torn_while_growing(part, "HDF");
-}
-
-}  // namespace
-
-IsOwn table_with(std::string attribute, std::string text) {
-    return [attribute = std::move(attribute), text = std::move(text)](const std::string& file) {
-        if (hdf5_version(file) != 3) return false;
-        const std::optional<std::string> format = format_of(file);
-        if (!format) return !holds_rows(file) || torn_while_growing(file, "cvtflow cases") || is_torn_beginning(file);
-        if (*format != "cvtflow cases") return false;
-        try {
-            return CaseReader(file).head().attribute(attribute) == text;
-        } catch (const RecordError&) {  // other attributes than `format` may be torn
-            return file.ends_with(".part") && torn_while_growing(file, *format);
-        }
-    };
 }
 
 IsOwn text_with(std::vector<std::string> marks) {

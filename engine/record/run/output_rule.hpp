@@ -78,8 +78,6 @@ private:
 [[nodiscard]] bool is_torn_record(const std::string& file);
 /// Whether a file is a state (checkpoints are), or one that was left half written.
 [[nodiscard]] bool is_state_file(const std::string& file);
-/// Whether a file is a table of cases of which the attribute of that name is this text, or what was left before its first row.
-[[nodiscard]] IsOwn table_with(std::string attribute, std::string text);
 /// Whether a text, picture or archive has all of these marks in its first 4 KiB.
 [[nodiscard]] IsOwn text_with(std::vector<std::string> marks);
 

@@ -27,14 +27,13 @@ struct ChannelInfo {
     bool operator==(const ChannelInfo&) const = default;
 };
 
-enum class ColumnType { real, integer, text };
+enum class ColumnType { real, integer };
 
 struct TableColumn {
     std::string name{};
     std::string unit{};
     std::string description{};
-    ColumnType type = ColumnType::real;  ///< text: in tables of cases only
-    int width = 8;                       ///< bytes; of a text, its longest
+    ColumnType type = ColumnType::real;
     bool operator==(const TableColumn&) const = default;
 };
 

@@ -134,7 +134,7 @@ void write_state(const std::string& path, const SavedState& saved) {
     write_state(Permit(path, {.what = "state", .own = is_state_file, .repeats = true}), saved);
 }
 
-void write_state(const Permit& permit, const SavedState& unsorted) {
+void write_state(const Permit& permit, const SavedState& unsorted, bool durable) {
     const std::string& path = permit.path();
     SavedState saved = unsorted;
     const auto by_name = [](const auto& a, const auto& b) { return a.name < b.name; };
@@ -143,7 +143,7 @@ void write_state(const Permit& permit, const SavedState& unsorted) {
     std::vector<std::byte> image = hdf5::guarded(path, [&] { return image_of(saved, path); });
     const auto seal = seal_of(image.size(), Checksum().add(image));
     image.insert(image.end(), seal.begin(), seal.end());
-    write_whole(permit, {reinterpret_cast<const char*>(image.data()), image.size()});
+    write_whole(permit, {reinterpret_cast<const char*>(image.data()), image.size()}, durable);
 }
 
 SavedState read_state(const std::string& path) {

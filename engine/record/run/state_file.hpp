@@ -36,7 +36,8 @@ struct SavedState {
 
 /// Writes the file atomically: readers see the former file or the new one, also after a kill or a power cut. Built in memory, written to
 /// `<path>.part`, synced, renamed. Throws RecordError: missing folder, not writable, disk full, another process writing the same file.
-void write_state(const Permit& permit, const SavedState& saved);
+/// @param durable  whether it is on disk when this returns
+void write_state(const Permit& permit, const SavedState& saved, bool durable = true);
 /// The same, replacing nothing but a state.
 void write_state(const std::string& path, const SavedState& saved);
 

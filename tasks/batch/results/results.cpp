@@ -1,94 +1,55 @@
 #include "tasks/batch/results/results.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <numeric>
+#include <filesystem>
+#include <nlohmann/json.hpp>
 #include <sstream>
-#include <tuple>
+#include <stdexcept>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/base/text.hpp"
 #include "model/start/start_state.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
+#include "tasks/run/saved_start.hpp"
 #include "tasks/scene/csv.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
 
-void CaseTally::add(const engine::RowLayout& layout, std::span<const std::byte> row) {
-    const std::string status = layout.text(row, layout.column("status"));
-    ++rows_;
-    ++statuses_[status];
-    if (layout.has("notes")) {
-        for (const std::string& name : engine::words_of(layout.text(row, layout.column("notes")))) ++notes_[name];
-    }
-    if (status == status_name(CaseStatus::ok) || !layout.has("error")) return;
-    const std::string error = layout.text(row, layout.column("error"));
-    const long number = layout.integer(row, layout.column("case"));
-    const auto known = std::ranges::find_if(failures_, [&](const Failure& each) { return each.status == status && each.error == error; });
-    if (known == failures_.end()) {
-        if (failures_.size() < max_failures) failures_.push_back({status, error, number, 1});
-        return;
-    }
-    ++known->cases;
-    known->first = std::min(known->first, number);
-}
-
-long CaseTally::failed() const noexcept {
-    const auto ok = statuses_.find(std::string(status_name(CaseStatus::ok)));
-    return rows_ - (ok == statuses_.end() ? 0 : ok->second);
-}
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 namespace {
 
-using engine::TableColumn;
-using Type = engine::ColumnType;
+constexpr std::string_view format_name = "cvtflow sweep 1";
 
-constexpr int error_width = 240, program_width = 48;
+/// Columns without part in the hash: they differ from run to run, or name what the row comes from.
+constexpr std::string_view unhashed[] = {"wall", "program", "start_state"};
 
-/// Choices, texts, lists and tables are texts in the table.
-[[nodiscard]] Type type_of(const Parameter& key) {
-    if (key.kind() == Kind::integer) return Type::integer;
-    return continuous(key) ? Type::real : Type::text;
-}
+[[nodiscard]] bool is_hashed(std::string_view column) noexcept { return std::ranges::find(unhashed, column) == std::end(unhashed); }
 
-[[nodiscard]] bool only_numbers(const Axis& axis, std::size_t key) {
-    for (std::size_t row = 0; row < axis.rows(); ++row) {
-        if (!std::holds_alternative<double>(axis.at(row, key))) return false;
-    }
-    return true;
-}
-
-TableColumn key_column(const Axis& axis, std::size_t key) {
-    const Parameter& parameter = *axis.keys[key];
-    const Type type = only_numbers(axis, key) ? type_of(parameter) : Type::text;
-    std::size_t width = 8;
-    for (std::size_t row = 0; type == Type::text && row < axis.rows(); ++row)
-        width = std::max(width, axis_text(parameter, axis.at(row, key)).size());
-    return {column_name(parameter.key), std::string(parameter.unit), std::string(parameter.meaning), type,
-            static_cast<int>(std::min<std::size_t>(width, 256))};
-}
+[[nodiscard]] std::string in(const std::string& folder, const char* name) { return (fs::path(folder) / name).string(); }
 
 /// Column of a scalar's error: of verified cases, or stated by cases that end when they are steady.
-TableColumn error_column(const Sweep& sweep, const Scalar& scalar) {
+ResultColumn error_column(const Sweep& sweep, const Scalar& scalar) {
     const char* meaning =
         sweep.steady() ? "relative error of its mean, by trend and scatter; of an efficiency relative to the losses' share, at least 2 %"
-                       : "relative error against the reference run; NaN: not verified";
+                       : "relative error against the reference run; nan: not verified";
     return {std::string(error_prefix) + scalar.column, "1", fmt::format("{}: {}", scalar.text, meaning)};
 }
 
-/// Columns without part in the hash: they differ from run to run, or name what the row comes from.
-constexpr std::string_view unhashed[] = {"wall", "threads", "program", "start_state"};
-
 }  // namespace
 
-engine::RowLayout result_layout(const Sweep& sweep) {
-    std::vector<TableColumn> columns{{"case", "1", "number of the case", Type::integer},
-                                     {"status", "", fmt::format("{}", fmt::join(status_names(), ", ")), Type::text, 16}};
+std::vector<ResultColumn> result_columns(const Sweep& sweep) {
+    std::vector<ResultColumn> columns{{"case", "1", "number of the case"},
+                                      {"status", "", fmt::format("{}", fmt::join(status_names(), ", "))}};
     for (const Axis& axis : sweep.axes) {
-        for (std::size_t key = 0; key < axis.keys.size(); ++key) columns.push_back(key_column(axis, key));
+        for (const Parameter* key : axis.keys)
+            columns.push_back({column_name(key->key), std::string(key->unit), std::string(key->meaning), std::string(key->key)});
     }
     for (const Scalar& scalar : sweep.scalars) columns.push_back({scalar.column, scalar.unit(), scalar.description()});
     for (const Scalar& scalar : sweep.scalars) {
@@ -100,20 +61,99 @@ engine::RowLayout result_layout(const Sweep& sweep) {
                     {"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"},
                     {"energy_error_ratio", "1",
                      "residual of the energy balance over its tolerance, settling included; above 1 the status is unreliable"},
-                    {"notes", "", "what is odd about results that are right: names in `cvtflow list notes`", Type::text, 96},
-                    {"start", "", "start of the case: scene, geometric, settled, shared or continued", Type::text, 16},
-                    {"start_state", "", "hash of the state that the case began with; none: it settled by itself", Type::text, 16},
-                    {"steps", "1", "accepted steps", Type::integer},
-                    {"evaluations", "1", "evaluations of the right-hand side", Type::integer},
-                    {"transitions", "1", "changes of phase of tips", Type::integer},
-                    {"truncated", "1", "steps cut at a transition", Type::integer},
-                    {"settling_evaluations", "1", "evaluations while settling", Type::integer},
-                    {"wall", "s", "wall time of this case, all sessions"},
-                    {"threads", "1", "largest number of threads at once", Type::integer},
-                    {"program", "", "version and commit of the program that ran the case", Type::text, program_width},
-                    {"hash", "", "of the final state and phases", Type::text, 16},
-                    {"error", "", "message of the fault", Type::text, error_width}});
-    return engine::RowLayout(std::move(columns));
+                    {"notes", "", "what is odd about results that are right: names in `cvtflow list notes`"},
+                    {"start", "", "start of the case: scene, geometric, settled, shared or continued"},
+                    {"start_state", "", "hash of the state that the case began with; none: it settled by itself"},
+                    {"steps", "1", "accepted steps"},
+                    {"evaluations", "1", "evaluations of the right-hand side"},
+                    {"transitions", "1", "changes of phase of tips"},
+                    {"truncated", "1", "steps cut at a transition"},
+                    {"settling_evaluations", "1", "evaluations while settling"},
+                    {"wall", "s", "wall time of this case"},
+                    {"program", "", "version and commit of the program that ran the case"},
+                    {"hash", "", "of the final state and phases"},
+                    {"error", "", "message of the fault"}});
+    return columns;
+}
+
+std::string heading_of(const std::vector<ResultColumn>& columns) {
+    std::string text;
+    for (const auto& [name, unit, description, key] : columns)
+        text += (text.empty() ? "" : ",") + csv_cell(unit.empty() || unit == "1" ? name : fmt::format("{} [{}]", name, unit), true);
+    return text;
+}
+
+namespace {
+
+/// Cells that grow by numbers and texts.
+class RowText {
+public:
+    void add(double value) { add_cell(fmt::format("{}", value)); }
+    void add(long value) { add_cell(fmt::format("{}", value)); }
+    void add(std::string_view text) {
+        std::string line(text);
+        std::ranges::replace(line, '\n', ' ');
+        add_cell(csv_cell(line, true));
+    }
+    [[nodiscard]] std::string text() && { return std::move(text_); }
+
+private:
+    void add_cell(const std::string& cell) { text_ += (text_.empty() ? "" : ",") + cell; }
+    std::string text_;
+};
+
+void add_value(const Parameter& key, const AxisValue& value, RowText& row) {
+    const auto* number = std::get_if<double>(&value);
+    if (number != nullptr && continuous(key)) return row.add(*number);
+    if (number != nullptr && key.kind() == Kind::integer) return row.add(std::lround(*number));
+    row.add(std::string_view(axis_text(key, value)));
+}
+
+}  // namespace
+
+std::string row_of(const Sweep& sweep, const CaseResult& r) {
+    RowText row;
+    row.add(r.number);
+    row.add(status_name(r.status));
+    for (std::size_t a = 0; a < sweep.axes.size(); ++a) {
+        for (std::size_t key = 0; key < sweep.axes[a].keys.size(); ++key)
+            add_value(*sweep.axes[a].keys[key], sweep.axes[a].at(sweep.row(r.number, a), key), row);
+    }
+    for (const double scalar : r.scalars) row.add(scalar);
+    if (sweep.accuracy.target > 0.0 || sweep.steady()) {
+        for (const double error : r.errors) row.add(error);
+    }
+    if (sweep.steady()) row.add(r.settled_for);
+    for (const double number : {r.efficiency, r.residual, r.balance_error_ratio}) row.add(number);
+    row.add(std::string_view(r.notes));
+    row.add(r.start);
+    row.add(std::string_view(r.start_state != 0 ? engine::hex(r.start_state) : "none"));
+    for (const long count : {r.counters.steps, r.counters.evaluations, r.counters.detected, r.counters.truncated, r.settling.evaluations})
+        row.add(count);
+    row.add(r.wall);
+    row.add(std::string_view(engine::version_text()));
+    row.add(std::string_view(engine::hex(r.hash)));
+    row.add(std::string_view(r.error));
+    return std::move(row).text();
+}
+
+std::string SweepFacts::text(std::string_view name) const {
+    for (const engine::Attribute& each : attributes)
+        if (each.name == name) return std::visit([](const auto& value) { return fmt::format("{}", value); }, each.value);
+    return {};
+}
+
+void SweepFacts::set(engine::Attribute attribute) {
+    const auto known = std::ranges::find(attributes, attribute.name, &engine::Attribute::name);
+    if (known != attributes.end())
+        known->value = std::move(attribute.value);
+    else
+        attributes.push_back(std::move(attribute));
+}
+
+long SweepFacts::cases() const {
+    const auto* cases = engine::attribute_value<std::int64_t>(attributes, "cases");
+    return cases != nullptr ? static_cast<long>(*cases) : 0;
 }
 
 namespace {
@@ -133,79 +173,123 @@ std::string model_hash(const Sweep& sweep) {
     }
 }
 
-}  // namespace
-
-engine::CaseTable empty_table(const Sweep& sweep) {
-    engine::CaseTable table;
-    table.layout = result_layout(sweep);
-    table.attributes = engine::attributes_of(engine::current_provenance());
-    table.set({"sweep", sweep.name});
-    table.set({"description", sweep.description});
-    table.set({"sweep_path", std::filesystem::absolute(sweep.path).lexically_normal().string()});
-    table.set({"sweep_text", sweep.text});
-    table.set({"parameters", write_scene(sweep.scene)});
-    table.set({"definition", sweep.definition() + fmt::format("model = hash {}\n", model_hash(sweep))});
-    set_origin(table, sweep);
-    table.set({"cases", static_cast<std::int64_t>(sweep.cases())});
-    table.set({"status", "running"});
-    return table;
-}
-
-engine::CaseTable read_results(const std::string& path) {
-    engine::CaseTable table = engine::read_cases(path);
-    for (const auto& [name, type, kind] :
-         {std::tuple{"case", Type::integer, "integers"}, {"status", Type::text, "texts"}, {"hash", Type::text, "texts"}}) {
-        if (table.layout.has(name) && table.layout.columns()[table.layout.column(name)].type == type) continue;
-        throw engine::RecordError(fmt::format("{}: not the table of a sweep: it has no column '{}' of {}", path, name, kind));
-    }
-    return table;
-}
-
-long cases_of(const engine::CaseTable& table, const std::string& path) {
-    constexpr long most = 1'000'000'000;
-    const std::string text = table.attribute("cases");
-    long cases = -1;
-    const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), cases);
-    if (wrong != std::errc() || end != text.data() + text.size() || cases < 0 || cases > most) {
-        throw engine::RecordError(fmt::format("{}: invalid number of cases: '{}'", path, text));
-    }
-    return cases;
-}
-
-void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseResult& r, std::span<std::byte> row) {
-    std::size_t column = 0;
-    layout.put(row, column++, static_cast<std::int64_t>(r.number));
-    layout.put(row, column++, status_name(r.status));
-    for (std::size_t a = 0; a < sweep.axes.size(); ++a) {
-        const Axis& axis = sweep.axes[a];
-        for (std::size_t key = 0; key < axis.keys.size(); ++key, ++column) {
-            const AxisValue& value = axis.at(sweep.row(r.number, a), key);
-            const Type type = layout.columns()[column].type;
-            if (type == Type::real)
-                layout.put(row, column, std::get<double>(value));
-            else if (type == Type::integer)
-                layout.put(row, column, static_cast<std::int64_t>(std::llround(std::get<double>(value))));
-            else
-                layout.put(row, column, std::string_view(axis_text(*axis.keys[key], value)));
+/// Hash of the start states that cases name: the one of the scene, or those of an axis.
+std::string start_states_of(const Sweep& sweep) {
+    if (sweep.start != StartMode::scene) return "none";
+    std::vector<Scene> scenes;
+    for (const Axis& axis : sweep.axes) {
+        for (std::size_t key = 0; key < axis.keys.size(); ++key) {
+            for (std::size_t row = 0; axis.keys[key]->key == "start.state" && row < axis.rows(); ++row) {
+                scenes.push_back(sweep.scene);
+                apply(*axis.keys[key], axis.at(row, key), scenes.back());
+            }
         }
     }
-    for (const double scalar : r.scalars) layout.put(row, column++, scalar);
-    if (sweep.accuracy.target > 0.0 || sweep.steady()) {
-        for (const double error : r.errors) layout.put(row, column++, error);
+    if (scenes.empty()) scenes.push_back(sweep.scene);
+    engine::Hash hash;
+    bool any = false;
+    for (const Scene& scene : scenes) {
+        if (scene.state_file.empty()) continue;
+        hash.add(content_hash(*saved_start(scene)));
+        any = true;
     }
-    if (sweep.steady()) layout.put(row, column++, r.settled_for);
-    for (const double number : {r.efficiency, r.residual, r.balance_error_ratio}) layout.put(row, column++, number);
-    layout.put(row, column++, std::string_view(r.notes));
-    layout.put(row, column++, r.start);
-    layout.put(row, column++, std::string_view(r.start_state != 0 ? engine::hex(r.start_state) : "none"));
-    for (const long count : {r.counters.steps, r.counters.evaluations, r.counters.detected, r.counters.truncated, r.settling.evaluations})
-        layout.put(row, column++, static_cast<std::int64_t>(count));
-    layout.put(row, column++, r.wall);
-    layout.put(row, column++, static_cast<std::int64_t>(r.threads));
-    layout.put(row, column++, std::string_view(engine::version_text()));
-    layout.put(row, column++, std::string_view(engine::hex(r.hash)));
-    layout.put(row, column++, std::string_view(r.error));
-    layout.seal(row);
+    return any ? hash.hex() : "none";
+}
+
+}  // namespace
+
+SweepFacts facts_of(const Sweep& sweep) {
+    SweepFacts facts;
+    facts.columns = result_columns(sweep);
+    facts.set({"sweep", sweep.name});
+    facts.set({"description", sweep.description});
+    facts.set({"sweep_path", fs::absolute(sweep.path).lexically_normal().string()});
+    facts.set({"cases", static_cast<std::int64_t>(sweep.cases())});
+    facts.set({"status", "running"});
+    facts.set({"definition", sweep.definition() + fmt::format("model = hash {}\n", model_hash(sweep))});
+    facts.set({"parameters", write_scene(sweep.scene)});
+    facts.set({"program", engine::version_text()});
+    facts.set({"start_states", start_states_of(sweep)});
+    facts.set({"records", sweep.records ? "true" : "false"});
+    for (const engine::Attribute& each : engine::attributes_of(engine::current_provenance())) facts.set(each);
+    return facts;
+}
+
+bool holds_sweep(const std::string& folder) {
+    std::error_code absent;
+    return fs::exists(in(folder, "sweep.json"), absent) || fs::exists(in(folder, "cases.h5"), absent);
+}
+
+namespace {
+
+constexpr std::uint64_t longest_facts = std::uint64_t{64} << 20U;
+
+Json value_of(const engine::Attribute& attribute) {
+    return std::visit([](const auto& value) { return Json(value); }, attribute.value);
+}
+
+/// @throws nlohmann::json::exception
+SweepFacts parsed(const Json& json) {
+    SweepFacts facts;
+    for (const auto& [name, value] : json.items()) {
+        if (name == "format" || name == "columns") continue;
+        if (value.is_number_integer())
+            facts.set({name, value.get<std::int64_t>()});
+        else if (value.is_number())
+            facts.set({name, value.get<double>()});
+        else
+            facts.set({name, value.get<std::string>()});
+    }
+    for (const Json& column : json.at("columns"))
+        facts.columns.push_back({column.at("name"), column.at("unit"), column.at("description"), column.value("key", "")});
+    return facts;
+}
+
+}  // namespace
+
+SweepFacts read_facts(const std::string& folder) {
+    const std::string path = in(folder, "sweep.json");
+    std::error_code absent;
+    if (!fs::exists(path, absent)) {
+        if (fs::exists(in(folder, "cases.h5"), absent) || fs::exists(in(folder, "workers"), absent))
+            throw engine::RecordError(
+                folder +
+                ": results of cvtflow 0.4 or before, which this version neither reads nor continues; `cvtflow table DIR --csv` of "
+                "that version writes a CSV, which this one reads; name another folder to run the sweep again");
+        throw engine::RecordError(folder + ": contains no sweep");
+    }
+    try {
+        const Json json = Json::parse(engine::read_text_input(path, longest_facts));
+        if (!json.is_object() || json.value("format", "") != format_name)
+            throw engine::RecordError(path + ": not the facts of a sweep, or of a later version");
+        return parsed(json);
+    } catch (const engine::InputError& error) {
+        throw engine::RecordError(path + ": " + error.what());
+    } catch (const Json::exception&) {
+        throw engine::RecordError(path + ": damaged; rows beside it are kept: move it away, and the sweep continues with them");
+    }
+}
+
+namespace {
+
+[[nodiscard]] engine::OutputRule own_file(std::string mark) {
+    return {.what = "file of a sweep", .own = engine::text_with({std::move(mark)}), .advice = remove_by_hand};
+}
+
+}  // namespace
+
+void write_facts(const std::string& folder, const SweepFacts& facts) {
+    Json json{{"format", format_name}};
+    for (const engine::Attribute& each : facts.attributes) json[each.name] = value_of(each);
+    json["columns"] = Json::array();
+    for (const auto& [name, unit, description, key] : facts.columns) {
+        Json column{{"name", name}, {"unit", unit}, {"description", description}};
+        if (!key.empty()) column["key"] = key;
+        if (const DisplayUnit shown = display_unit(name, unit); shown.unit != unit) column["shown"] = {shown.unit, shown.factor};
+        json["columns"].push_back(std::move(column));
+    }
+    const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    engine::write_whole({in(folder, "sweep.json"), own_file(std::string(format_name))}, text);
 }
 
 namespace {
@@ -220,165 +304,177 @@ std::map<std::string, std::string> lines_of(const std::string& text) {
     return lines;
 }
 
-}  // namespace
-
-void require_same_sweep(const std::string& path, const engine::CaseTable& there, const engine::CaseTable& here) {
-    const auto was = lines_of(there.attribute("definition"));
-    const auto is = lines_of(here.attribute("definition"));
+/// @throws SimulationError, a line per difference
+void require_same_sweep(const std::string& folder, const SweepFacts& there, const SweepFacts& here) {
+    const auto was = lines_of(there.text("definition")), is = lines_of(here.text("definition"));
     std::vector<std::string> lines;
     const auto value = [](const auto& all, const std::string& key) { return all.contains(key) ? all.at(key) : std::string("nothing"); };
     for (const auto& [key, text] : was) {
-        if (value(is, key) != text) lines.push_back(fmt::format("  {} = {} in the table, {} in the sweep", key, text, value(is, key)));
+        if (value(is, key) != text) lines.push_back(fmt::format("  {} = {} there, {} in the sweep", key, text, value(is, key)));
     }
     for (const auto& [key, text] : is) {
-        if (!was.contains(key)) lines.push_back(fmt::format("  {} = nothing in the table, {} in the sweep", key, text));
+        if (!was.contains(key)) lines.push_back(fmt::format("  {} = nothing there, {} in the sweep", key, text));
     }
-    if (lines.empty() && there.layout.columns() != here.layout.columns()) lines.emplace_back("  the columns differ");
+    for (const auto& [attribute, name] :
+         {std::pair{"program", "program"}, {"start_states", "content of start.state"}, {"records", "outputs.records"}}) {
+        if (there.text(attribute) != here.text(attribute))
+            lines.push_back(fmt::format("  {} {} there, {} here", name, there.text(attribute), here.text(attribute)));
+    }
+    if (lines.empty() && there.columns != here.columns) lines.emplace_back("  the columns differ");
     if (lines.empty()) return;
-    const std::string theirs = there.attribute("program"), ours = engine::version_text();
-    if (theirs == ours) throw SimulationError(fmt::format("{}: results of another sweep:\n{}", path, fmt::join(lines, "\n")));
     constexpr std::size_t most = 6;  // another version knows other keys
-    if (lines.size() > most) {
-        const std::size_t further = lines.size() - most;
+    if (const std::size_t further = lines.size(); further > most) {
         lines.resize(most);
-        lines.push_back(fmt::format("  and {} more", further));
+        lines.push_back(fmt::format("  and {} more", further - most));
     }
-    throw SimulationError(fmt::format("{}: results of another sweep, by cvtflow {}, where this is {}; use another folder (-o):\n{}", path,
-                                      theirs, ours, fmt::join(lines, "\n")));
+    throw SimulationError(fmt::format("{}: results of another sweep; use another folder (-o):\n{}", folder, fmt::join(lines, "\n")));
 }
 
-bool is_hashed(std::string_view column) noexcept { return std::ranges::find(unhashed, column) == std::end(unhashed); }
-
-namespace {
-
-/// Everything of a row but wall time, threads, and what it comes from (program, start state).
-void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row) {
-    for (std::size_t c = 0; c < layout.columns().size(); ++c) {
-        const TableColumn& column = layout.columns()[c];
-        if (!is_hashed(column.name)) continue;
-        hash.add(row.subspan(layout.offset(c), static_cast<std::size_t>(column.width)));
-    }
-}
-
-/// Numbers of the rows in the order of their cases.
-std::vector<std::size_t> case_order(const engine::CaseTable& table) {
-    const std::size_t number = table.layout.column("case");
-    std::vector<std::size_t> order(table.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return table.layout.integer(table.row(a), number) < table.layout.integer(table.row(b), number);
-    });
-    return order;
+/// A copy of the sweep's file beside its results, unless the sweep lies there itself.
+void keep_text(const std::string& folder, const Sweep& sweep) {
+    const std::string path = in(folder, "sweep.toml");
+    std::error_code absent;
+    if (fs::exists(path, absent) && engine::read_text_input(path, longest_toml) == sweep.text) return;
+    engine::write_whole(engine::Permit(path, {.advice = remove_by_hand}), sweep.text);
 }
 
 }  // namespace
 
-/// Sorts in place, because the table is the largest object in memory: row i is swapped with the row that has its content now.
-void sort_rows(engine::CaseTable& table) {
-    const std::vector<std::size_t> order = case_order(table);
-    const std::size_t bytes = table.layout.bytes();
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        std::size_t from = order[i];
-        while (from < i) from = order[from];
-        if (from == i) continue;
-        std::byte *a = table.rows.data() + i * bytes, *b = table.rows.data() + from * bytes;
-        std::swap_ranges(a, a + bytes, b);
+SweepFacts begin_results(const std::string& folder, const Sweep& sweep) {
+    constexpr int attempts = 100;  // of processes that begin a sweep together one writes
+    const SweepFacts here = facts_of(sweep);
+    const engine::OutputRule of_others{.advice = remove_by_hand};
+    const engine::Permit results(in(folder, "results.csv"), holds_sweep(folder) ? own_file(heading_of(here.columns)) : of_others);
+    for (int attempt = 1; !holds_sweep(folder); ++attempt) {
+        try {
+            keep_text(folder, sweep);
+            write_facts(folder, here);
+        } catch (const engine::RecordError&) {
+            if (attempt == attempts || (!holds_sweep(folder) && !engine::is_growing(in(folder, "sweep.json.part")) &&
+                                        !engine::is_growing(in(folder, "sweep.toml.part"))))
+                throw;
+            usleep(20'000);
+        }
+    }
+    SweepFacts there = read_facts(folder);
+    require_same_sweep(folder, there, here);
+    return there;
+}
+
+void CaseTally::add(long number, const std::string& status, const std::string& notes, const std::string& error) {
+    ++rows_;
+    ++statuses_[status];
+    for (const std::string& name : engine::words_of(notes)) ++notes_[name];
+    if (status == status_name(CaseStatus::ok)) return;
+    const auto known = std::ranges::find_if(failures_, [&](const Failure& each) { return each.status == status && each.error == error; });
+    if (known != failures_.end()) {
+        ++known->cases;
+        known->first = std::min(known->first, number);
+    } else if (failures_.size() < max_failures) {
+        failures_.push_back({status, error, number, 1});
     }
 }
 
-std::string results_hash(const engine::CaseTable& table) {
+long CaseTally::failed() const noexcept {
+    const auto ok = statuses_.find(std::string(status_name(CaseStatus::ok)));
+    return rows_ - (ok == statuses_.end() ? 0 : ok->second);
+}
+
+SweepRows::SweepRows(const std::string& folder, SweepFacts facts) : facts_(std::move(facts)), files_(folder, facts_.finished()) {
+    if (files_.heading().empty()) return;
+    if (files_.heading() + "\n" != engine::checked_heading(heading_of(facts_.columns)))
+        throw engine::RecordError(folder + ": the columns of its rows are not those of sweep.json");
+    if (facts_.finished() && !files_.damage().empty()) throw engine::RecordError(files_.damage().front());
+}
+
+std::size_t SweepRows::column(std::string_view name) const {
+    const auto found = std::ranges::find(facts_.columns, name, &ResultColumn::name);
+    if (found == facts_.columns.end()) throw std::out_of_range(fmt::format("no column {}", name));
+    return static_cast<std::size_t>(found - facts_.columns.begin());
+}
+
+std::vector<std::string> SweepRows::cells(long number) const {
+    std::vector<std::string> cells = std::move(csv_lines(files_.row(number)).front());
+    cells.resize(facts_.columns.size());
+    return cells;
+}
+
+std::string SweepRows::text(long of_case, std::string_view name) const { return cells(of_case)[column(name)]; }
+double SweepRows::number(long of_case, std::string_view name) const { return engine::number_of(text(of_case, name)).value_or(NAN); }
+
+CaseTally SweepRows::tally() const {
+    const std::size_t status = column("status"), notes = column("notes"), error = column("error");
+    CaseTally tally;
+    for (const long number : files_.numbers()) {
+        const std::vector<std::string> row = cells(number);
+        tally.add(number, row[status], row[notes], row[error]);
+    }
+    return tally;
+}
+
+std::string SweepRows::hash() const {
     engine::Hash hash;
-    for (const std::size_t row : case_order(table)) add_result(hash, table.layout, table.row(row));
+    for (const long number : files_.numbers()) {
+        const std::vector<std::string> row = cells(number);
+        for (std::size_t c = 0; c < row.size(); ++c)
+            if (is_hashed(facts_.columns[c].name)) hash.add(std::string_view(row[c])).add(std::string_view("\n"));
+    }
     return hash.hex();
 }
 
-std::string csv_text(const engine::CaseTable& table) {
-    std::string text;
-    for (const TableColumn& column : table.layout.columns()) text += (text.empty() ? "" : ",") + csv_cell(column.name, true);
-    text += "\n";
-    for (std::size_t row = 0; row < table.size(); ++row) {
-        for (std::size_t c = 0; c < table.layout.columns().size(); ++c) {
-            const bool is_text = table.layout.columns()[c].type == Type::text;
-            text += (c == 0 ? "" : ",") + csv_cell(table.layout.cell(table.row(row), c), is_text);
+std::string SweepRows::file(const std::function<void(long, std::vector<std::string>&)>& change) const {
+    std::string text = engine::checked_heading(heading_of(facts_.columns));
+    for (const long number : files_.numbers()) {
+        std::string line = files_.row(number);
+        if (change) {
+            std::vector<std::string> row = cells(number);
+            change(number, row);
+            RowText changed;
+            for (const std::string& cell : row) changed.add(std::string_view(cell));
+            line = std::move(changed).text();
         }
-        text += "\n";
+        text += engine::checked_line(line);
     }
     return text;
 }
 
-namespace {
+void write_results(const std::string& folder, const SweepFacts& facts, const std::string& rows) {
+    engine::write_whole({in(folder, "results.csv"), own_file(heading_of(facts.columns))}, rows);
+    write_facts(folder, facts);
+}
 
-constexpr std::size_t window_rows = 256;  ///< rows lie nearly in the order of their cases
-
-}  // namespace
-
-OrderedRows::OrderedRows(const std::string& path) : reader_(path) {
-    const engine::RowLayout& layout = head().layout;
-    const std::size_t number = layout.column("case");
-    order_.reserve(reader_.size());
-    for (std::size_t i = 0; i < reader_.size(); ++i) {
-        order_.emplace_back(0, i);
-        const auto at = row(i);
-        order_.back().first = layout.integer(at, number);
-        tally_.add(layout, at);
+void drop_rows(const std::string& folder, const SweepFacts& facts, const std::vector<std::string>& statuses) {
+    const std::vector<std::string> before = engine::row_files_in(folder);
+    for (const std::string& name : before) {
+        if (engine::is_growing(in(folder, name.c_str())))
+            throw SimulationError(fmt::format("{}: a process is at work there ({}); --retry waits for nobody", folder, name));
     }
-    std::sort(order_.begin(), order_.end());
-}
-
-/// A row of the file.
-std::span<const std::byte> OrderedRows::row(std::size_t place) {
-    const std::size_t bytes = head().layout.bytes();
-    if (place < first_ || place >= first_ + window_.size() / bytes) {
-        first_ = place / window_rows * window_rows;
-        window_.resize(std::min(window_rows, reader_.size() - first_) * bytes);
-        reader_.read(first_, window_);
+    const SweepRows rows(folder, facts);
+    SweepFacts running = facts;
+    running.set({"status", "running"});
+    write_facts(folder, running);
+    const std::size_t status = rows.column("status");
+    engine::RowWriter kept(folder, engine::checked_heading(heading_of(facts.columns)));
+    for (const long number : rows.files().numbers()) {
+        if (std::ranges::find(statuses, rows.cells(number)[status]) == statuses.end())
+            kept.append(engine::checked_line(rows.files().row(number)));
     }
-    return std::span<const std::byte>(window_).subspan((place - first_) * bytes, bytes);
+    kept.finish();
+    for (const std::string& name : before) fs::remove(fs::path(folder) / name);
 }
 
-std::span<const std::byte> OrderedRows::of_case(long number) {
-    const auto found = std::lower_bound(order_.begin(), order_.end(), std::pair<long, std::size_t>(number, 0));
-    return found == order_.end() || found->first != number ? std::span<const std::byte>() : row(found->second);
-}
-
-std::string OrderedRows::hash(const std::function<void(std::span<std::byte>)>& change) {
-    engine::Hash hash;
-    std::vector<std::byte> changed(head().layout.bytes());
-    for (const auto& [number, place] : order_) {
-        std::ranges::copy(row(place), changed.begin());
-        if (change) change(changed);
-        add_result(hash, head().layout, changed);
+FolderProgress folder_progress(const std::string& folder) {
+    const SweepRows rows(folder);
+    FolderProgress progress{rows.facts(), rows.tally(), {}};
+    std::map<std::string, long> pieces;
+    for (const auto& [piece, owner] : engine::read_claims(folder)) ++pieces[owner];
+    const std::map<std::string, long> by_file = rows.files().by_file();
+    for (const std::string& name : engine::row_files_in(folder)) {
+        const auto found = by_file.find(name);
+        progress.workers.push_back(
+            {name, found == by_file.end() ? 0 : found->second, pieces[name], engine::is_growing(in(folder, name.c_str()))});
     }
-    return hash.hex();
-}
-
-void OrderedRows::fill(std::size_t first, std::span<std::byte> rows) {
-    const std::size_t bytes = head().layout.bytes();
-    for (std::size_t i = 0; i < rows.size() / bytes; ++i)
-        std::ranges::copy(row(order_[first + i].second), rows.begin() + static_cast<std::ptrdiff_t>(i * bytes));
-}
-
-void set_mark(engine::CaseTable& table) {
-    engine::Hash hash;
-    for (const char* name : {"definition", "shard", "start_states"}) hash.add(table.attribute(name)).add(name);
-    for (const engine::TableColumn& column : table.layout.columns())
-        hash.add(column.name + "\n" + column.unit + "\n" + column.description + "\n" + std::to_string(static_cast<int>(column.type)) + " " +
-                 std::to_string(column.width));
-    table.set({"mark", std::string(mark_of_a_sweep) + hash.hex()});
-}
-
-std::optional<engine::CaseTable> recover_results(const std::string& path, const engine::CaseTable& begin) {
-    if (!engine::torn_while_growing(path, begin.attribute("mark"))) return std::nullopt;
-    const std::size_t number = begin.layout.column("case"), status = begin.layout.column("status");
-    const long cases = cases_of(begin, path);
-    const auto statuses = status_names();
-    engine::CaseTable table = begin;
-    table.rows = engine::whole_rows(path, table.layout, [&](std::span<const std::byte> row) {
-        const std::int64_t of_case = table.layout.integer(row, number);
-        return of_case >= 0 && of_case < cases && std::ranges::find(statuses, table.layout.text(row, status)) != statuses.end();
-    });
-    set_programs_of_rows(table);
-    return table;
+    return progress;
 }
 
 }  // namespace cvtflow::tasks

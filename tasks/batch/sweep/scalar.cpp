@@ -335,31 +335,4 @@ void Reducer::clear() noexcept {
     }
 }
 
-namespace {
-
-constexpr double layout_of_sums = -4.0;  ///< precedes the sums; former layouts began with a count
-
-}  // namespace
-
-void Reducer::save(std::vector<double>& memory) const {
-    memory.push_back(layout_of_sums);
-    for (const TermSum& sum : sums) {
-        memory.insert(memory.end(), {static_cast<double>(sum.count), sum.value, sum.span, sum.time, sum.last});
-        memory.push_back(static_cast<double>(sum.all.size()));
-        memory.insert(memory.end(), sum.all.begin(), sum.all.end());
-    }
-}
-
-std::span<const double> Reducer::load(std::span<const double> memory) {
-    constexpr int most = std::numeric_limits<int>::max();
-    if (pop_front(memory, 1)[0] != layout_of_sums) throw std::invalid_argument("scalars of another version of the program");
-    for (TermSum& sum : sums) {
-        sum.count = pop_integer(memory, 0, most);
-        for (double* number : {&sum.value, &sum.span, &sum.time, &sum.last}) *number = pop_front(memory, 1)[0];
-        const auto numbers = pop_front(memory, static_cast<std::size_t>(pop_integer(memory, 0, most)));
-        sum.all.assign(numbers.begin(), numbers.end());
-    }
-    return memory;
-}
-
 }  // namespace cvtflow::tasks

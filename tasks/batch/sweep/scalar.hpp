@@ -112,10 +112,6 @@ struct Reducer {
     [[nodiscard]] double result(const Scalar& scalar) const;
     /// Ready for another case.
     void clear() noexcept;
-
-    /// Memory for checkpoints: load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
-    void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
 };
 
 }  // namespace cvtflow::tasks

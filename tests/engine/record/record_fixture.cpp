@@ -54,23 +54,6 @@ void append_example_state(RunFile& file, int i) {
                       std::array{static_cast<std::uint8_t>(i % 256), std::uint8_t{1}});
 }
 
-CaseTable example_cases() {
-    CaseTable table{
-        RowLayout(
-            {{"case", "1", "number", ColumnType::integer}, {"slip", "1", "", ColumnType::real}, {"status", "", "", ColumnType::text, 16}}),
-        {{"sweep", std::string("s")}, {"cases", std::int64_t{9}}},
-        {}};
-    table.rows.resize(9 * table.layout.bytes());
-    for (std::size_t i = 0; i < 9; ++i) {
-        const auto row = std::span(table.rows).subspan(i * table.layout.bytes(), table.layout.bytes());
-        table.layout.put(row, 0, static_cast<std::int64_t>(i));
-        table.layout.put(row, 1, 0.5 * static_cast<double>(i));
-        table.layout.put(row, 2, std::string_view("ok"));
-        table.layout.seal(row);
-    }
-    return table;
-}
-
 std::string error_of(const std::function<void()>& call) {
     try {
         call();

@@ -7,7 +7,6 @@
 #include <functional>
 #include <string>
 
-#include "engine/record/case_table.hpp"
 #include "engine/record/run/run_file.hpp"
 
 namespace cvtflow::engine {
@@ -31,9 +30,6 @@ private:
 void append_example(RunFile& file, int i);
 /// State number i: time i/10, unknowns i + 0.25, …, phases i % 256 and 1.
 void append_example_state(RunFile& file, int i);
-
-/// Nine rows of a sweep.
-[[nodiscard]] CaseTable example_cases();
 
 /// The message of the RecordError that the call throws; "no error" otherwise.
 [[nodiscard]] std::string error_of(const std::function<void()>& call);

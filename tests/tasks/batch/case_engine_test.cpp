@@ -33,11 +33,10 @@ protected:
     /// One engine and its data.
     struct Worker {
         Worker(const Sweep& sweep, const std::filesystem::path& folder)
-            : starts(sweep, folder / "states"),
-              engine(sweep, starts, control, {folder / "checkpoints", folder / "records", folder / "continuation"}) {}
+            : starts(sweep, folder / "states"), engine(sweep, starts, control, {folder / "records", folder / "continuation"}) {}
         StartStates starts;
         engine::Cancellation never;
-        BatchControl control{1, 1.0, never};
+        BatchControl control{1.0, never};
         CaseEngine engine;
     };
     /// Allocations of each case, one after the other on one engine.

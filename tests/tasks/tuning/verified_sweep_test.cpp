@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "engine/record/case_table.hpp"
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/scene/ready_scenes.hpp"
@@ -35,7 +34,6 @@ protected:
         return run_batch(of, options);
     }
     [[nodiscard]] std::string out() const { return (folder_ / "out").string(); }
-    [[nodiscard]] std::string table() const { return out() + "/cases.h5"; }
     const engine::Cancellation not_cancelled_{};
     const tests::TemporaryFolder folder_{"verified"};
 };
@@ -49,16 +47,16 @@ TEST_F(VerifiedSweeps, CarryTheErrorsOfTheCasesThatWereRunAgain) {
     EXPECT_EQ(tuned.result->points, (std::vector<std::string>{"case 0", "case 3"})) << "the ends of the only axis";
     EXPECT_TRUE(run(tuned.sweep).finished);
     EXPECT_THAT(verify_sweep(asked, tuned, out(), not_cancelled_, {}), testing::IsEmpty());
-    const SweepVerification verification = sweep_verification(table());
+    const SweepVerification verification = sweep_verification(out());
     EXPECT_EQ(verification.verified, 3);
     EXPECT_EQ(verification.missed, 0) << verification.text();
     EXPECT_TRUE(verification.held());
     EXPECT_THAT(verification.scalars, testing::ElementsAre("tight_tension_mean", "slack_tension_mean"));
     EXPECT_GT(verification.worst[0], 0.0) << "a tuned run is not the reference";
-    const engine::CaseTable all = engine::read_cases(table());
-    EXPECT_EQ(all.attribute("accuracy_target"), "0.2");
-    EXPECT_EQ(all.attribute("accuracy_choice"), tuned.kept.choice.text());
-    EXPECT_EQ(all.attribute("results_hash"), results_hash(all)) << "of the rows as they are now";
+    const SweepRows all(out());
+    EXPECT_EQ(all.facts().text("accuracy_target"), "0.2");
+    EXPECT_EQ(all.facts().text("accuracy_choice"), tuned.kept.choice.text());
+    EXPECT_EQ(all.facts().text("results_hash"), all.hash()) << "of the rows as they are now";
 }
 
 /// The detail of such a sweep is chosen, so that of its scene need not be that of the scene's state.
@@ -75,7 +73,7 @@ TEST_F(VerifiedSweeps, BeginWithAStateOfAnotherDetail) {
     EXPECT_THAT(tuned.result->left_out, testing::Each(testing::Not(testing::HasSubstr("case "))));
     EXPECT_TRUE(run(tuned.sweep).finished);
     EXPECT_THAT(verify_sweep(asked, tuned, out(), not_cancelled_, {}), testing::IsEmpty());
-    EXPECT_EQ(sweep_verification(table()).missed, 0);
+    EXPECT_EQ(sweep_verification(out()).missed, 0);
 }
 
 TEST_F(VerifiedSweeps, AreTunedOnceAndAloneDecideWhatIsRun) {
@@ -86,7 +84,7 @@ TEST_F(VerifiedSweeps, AreTunedOnceAndAloneDecideWhatIsRun) {
     EXPECT_NE(sweep("").definition(), first.sweep.definition());
     const TunedSweep elsewhere = tuned_sweep(asked, (folder_ / "elsewhere").string(), not_cancelled_, {});
     EXPECT_TRUE(elsewhere.result);
-    EXPECT_EQ(elsewhere.sweep.definition(), first.sweep.definition()) << "shards on other machines find the same";
+    EXPECT_EQ(elsewhere.sweep.definition(), first.sweep.definition()) << "other machines find the same";
 }
 
 TEST_F(VerifiedSweeps, MissTheirTargetWhereMoreThanOneCaseInTwentyDoes) {
@@ -108,7 +106,7 @@ TEST_F(VerifiedSweeps, DetectATableThatMissesItsAccuracy) {
     set_value(coarse.sweep.scene, "clamping.driven=7 kN");
     EXPECT_TRUE(run(coarse.sweep).finished);
     static_cast<void>(verify_sweep(strict, coarse, out(), not_cancelled_, {}));
-    const SweepVerification verification = sweep_verification(table());
+    const SweepVerification verification = sweep_verification(out());
     EXPECT_EQ(verification.verified, 3);
     EXPECT_GE(verification.missed, 2) << verification.text() << ": with 1.3 kN too much";
     EXPECT_FALSE(verification.held());

@@ -35,7 +35,7 @@ def picture_path(named, source, inside):
 
 def inputs_of(files):
     """The files that a command line names, and the tables of folders."""
-    return [path for file in files if file for path in (file, os.path.join(file, "cases.h5"))]
+    return [path for file in files if file for path in (file, os.path.join(file, "results.csv"))]
 
 
 def default_place(name):

@@ -14,7 +14,7 @@ chain, pin forces, losses, wear, spectra, provenance. A page of the same scene o
 def declare(parser):
     add = parser.add_argument
     add("files", metavar="FILE ...", nargs="+", type=file_or_result(),
-        help="Records, or sweeps (folder, cases.h5, or CSV); several are shown beside each other")
+        help="Records, or sweeps (folder, or CSV); several are shown beside each other")
     add("-o", "--output", metavar="FILE", help="Page to write (default: beside the input, .html)")
     add("--with", metavar="FILE", dest="measured", help="Measured data beside the results: a CSV as plot --with takes it")
     add("--si", action="store_true", help=SI)

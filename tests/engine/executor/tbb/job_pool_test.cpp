@@ -42,30 +42,6 @@ TEST(RunJobs, EndsWithWhatAJobThrows) {
     EXPECT_LT(next, 1000);
 }
 
-TEST(WriterThread, WritesEveryRowInOrderThoughFewMayWait) {
-    std::vector<int> written;
-    WriterThread writer(2, sizeof(int), [&](std::span<const std::byte> row) {
-        int value = 0;
-        std::memcpy(&value, row.data(), sizeof value);
-        written.push_back(value);
-    });
-    for (int i = 0; i < 100; ++i) writer.post(std::as_bytes(std::span(&i, 1)));
-    writer.finish();
-    ASSERT_EQ(written.size(), 100u);
-    for (int i = 0; i < 100; ++i) EXPECT_EQ(written[static_cast<std::size_t>(i)], i);
-}
-
-TEST(WriterThread, HandsItsErrorToTheCallerThatPostsOrFinishes) {
-    WriterThread writer(2, 1, [](std::span<const std::byte>) { throw std::runtime_error("full"); });
-    const std::byte row{};
-    EXPECT_THROW(
-        {
-            for (int i = 0; i < 10; ++i) writer.post({&row, 1});
-        },
-        std::runtime_error);
-    EXPECT_THROW(writer.finish(), std::runtime_error);
-}
-
 TEST(OnceEach, IsMadeByOneWhileOthersWait) {
     OnceEach once;
     std::atomic<int> makers{0};

@@ -180,39 +180,9 @@ TEST_F(SweepFile, ReportsEveryMistakeWithItsPlace) {
     EXPECT_EQ(error(head + "[[axes]]\ncsv = \"/dev/zero\"\n"), "s.toml:6:7: axes.csv: \"/dev/zero\" cannot be read: not a regular file");
 }
 
-TEST_F(SweepFile, ShardsHaveEveryCaseOnceAndAboutEqualCost) {
-    const Sweep sweep = read(head +
-                             "[[axes]]\nkey = \"run.until\"\nvalues = [\"1 ms\", \"2 ms\", \"7 ms\"]\n[[axes]]\nkey = "
-                             "\"load.torque\"\nfrom = 1\nto = 9\ncount = 30\n");
-    for (const int of : {2, 7}) {
-        std::multiset<long> all;
-        std::vector<double> costs;
-        double cheapest = 1e300;
-        for (int i = 1; i <= of; ++i) {
-            const std::vector<long> cases = shard_cases(sweep, {i, of});
-            all.insert(cases.begin(), cases.end());
-            costs.push_back(0.0);
-            CaseCosts cost(sweep);
-            Scene scene = sweep.scene;
-            for (const long number : cases) {
-                sweep.apply_case(number, scene);
-                ASSERT_TRUE(cost.settles(scene)) << "tiny has no state";
-                const double whole = cost.of_run(scene) + cost.of_settling(scene);
-                costs.back() += whole;
-                cheapest = std::min(cheapest, whole);
-            }
-        }
-        EXPECT_EQ(all.size(), 90u);
-        EXPECT_EQ(std::set<long>(all.begin(), all.end()).size(), 90u);
-        const auto [least, most] = std::minmax_element(costs.begin(), costs.end());
-        EXPECT_LE(*most - *least, cheapest * (1.0 + 1e-9))
-            << of << ": the last cases given out are the cheapest, each to the shard with the least";
-    }
-}
-
 /// Cost of a sweep over that of a step's evaluations and unknowns, which no measurement disturbs.
-double cost_of(const Sweep& sweep, const Shard& shard = {}) {
-    const BatchEstimate result = estimate(sweep, shard, 0.01);
+double cost_of(const Sweep& sweep) {
+    const BatchEstimate result = estimate(sweep, 0.01);
     EXPECT_EQ(result.measured, 3) << result.untried;
     return result.total / result.seconds_per_cost;
 }
@@ -246,7 +216,7 @@ TEST_F(SweepFile, AnEstimateMeasuresCasesOfAnotherLevelOfDetailThanTheScenesStat
 TEST_F(SweepFile, AHundredThousandCasesAreEstimatedInSeconds) {
     const Sweep sweep = read(head + "[[axes]]\nkey = \"load.torque\"\nfrom = 1\nto = 9\ncount = 100000\n");
     const std::clock_t begin = std::clock();
-    EXPECT_EQ(estimate(sweep, {}, 0.01).cases, 100000);
+    EXPECT_EQ(estimate(sweep, 0.01).cases, 100000);
     EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 3.0);
 }
 
@@ -331,7 +301,7 @@ TEST(BatchProgress, PredictsByThePaceAfterEveryWorkersFirstCase) {
     EXPECT_EQ(progress.left(), 0.0);
 }
 
-/// Means over time by the trapezoidal rule; parts, as the pin periods of a steady case are, and checkpoints continue them.
+/// Means over time by the trapezoidal rule; parts, as the pin periods of a steady case are, continue each other.
 TEST(Reducer, ReducesAsItsTextStates) {
     std::vector<Problem> none;
     const std::map<std::string, double> expected{{"slip mean", 2.75},
@@ -345,7 +315,7 @@ TEST(Reducer, ReducesAsItsTextStates) {
                                                  {"slip max / slip rms", 4.0 / std::sqrt(9.25)}};
     for (const auto& [text, value] : expected) {
         const Scalar scalar = parse_scalar(text, {}, none);
-        Reducer whole, resumed, sum, parts[3];
+        Reducer whole, sum, parts[3];
         EXPECT_TRUE(std::isnan(whole.result(scalar)));
         const double numbers[] = {1.0, 4.0, 2.0};
         for (std::size_t k = 0; k < 3; ++k) {
@@ -354,13 +324,9 @@ TEST(Reducer, ReducesAsItsTextStates) {
                 for (Reducer* each : {&whole, &parts[k]}) each->add(scalar, term, 0.25 * static_cast<double>(k + 1), {&numbers[k], 1});
             }
         }
-        std::vector<double> memory;
-        whole.save(memory);
-        EXPECT_TRUE(resumed.load(memory).empty());
         for (const Reducer& part : parts) sum.add(scalar, part);
         sum.add(scalar, Reducer());
         EXPECT_DOUBLE_EQ(whole.result(scalar), value) << text;
-        EXPECT_DOUBLE_EQ(resumed.result(scalar), value) << text << ": from a checkpoint";
         EXPECT_DOUBLE_EQ(sum.result(scalar), value) << text << ": of its parts";
     }
     EXPECT_TRUE(parse_scalar("slip mean / slip rms", {}, none).averages());

@@ -8,7 +8,6 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
-#include "engine/record/run/part_file.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "tasks/batch/batch.hpp"
@@ -19,7 +18,6 @@
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
 #include "tools/program/view/recorded_run.hpp"
-#include "tools/program/view/sweep_view.hpp"
 
 namespace cvtflow::tools {
 
@@ -100,79 +98,80 @@ std::string state_text(const std::string& path) {
     return text;
 }
 
-std::string columns_text(const engine::RowLayout& layout) {
+/// The folder itself. @throws engine::RecordError for one without results, with the records in it
+const std::string& sweep_folder(const std::string& folder) {
+    constexpr std::size_t shown = 3;
+    if (tasks::holds_sweep(folder)) return folder;
+    std::error_code unreadable;
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, unreadable))
+        if (entry.path().extension() == ".h5") files.push_back(entry.path().string());
+    std::sort(files.begin(), files.end());
+    const std::size_t count = files.size();
+    files.resize(std::min(count, shown));
+    throw engine::RecordError(fmt::format(
+        "{}: a folder without results of a sweep (sweep.json){}", folder,
+        count == 0 ? "" : fmt::format("; it contains {}{}: name one of these files", fmt::join(files, ", "), count > shown ? ", …" : "")));
+}
+
+std::string columns_text(const std::vector<tasks::ResultColumn>& all) {
     Table columns({{"column"}, {"unit"}, {"meaning"}});
-    for (const engine::TableColumn& column : layout.columns()) columns.add({column.name, column.unit, column.description});
+    for (const auto& [name, unit, description, key] : all) columns.add({name, unit, description});
     return "\n" + columns.text(2);
 }
 
-/// @param file a sweep's table
-std::string sweep_text(const std::string& file) {
-    const bool running = engine::being_written((std::filesystem::path(file).parent_path() / "lock").string());
-    const engine::CaseTable table = tasks::read_results(file);
-    const auto of = [&](const char* name) { return engine::visible(table.attribute(name)); };
-    tasks::CaseTally tally;
-    for (std::size_t row = 0; row < table.size(); ++row) tally.add(table.layout, table.row(row));
-    std::string text = fmt::format("{}: results of a sweep, {}\n", engine::visible(file),
-                                   size_text(static_cast<double>(std::filesystem::file_size(file))));
+long running(const tasks::FolderProgress& progress) {
+    return std::ranges::count(progress.workers, true, &tasks::FolderProgress::Worker::running);
+}
+
+/// Processes that have added rows, running ones first.
+std::string workers_text(std::vector<tasks::FolderProgress::Worker> workers) {
+    constexpr std::size_t shown = 20;
+    std::ranges::stable_partition(workers, &tasks::FolderProgress::Worker::running);
+    Table table({{"rows of"}, {"claims", Align::right}, {"cases", Align::right}, {"process"}});
+    for (std::size_t k = 0; k < std::min(shown, workers.size()); ++k)
+        table.add({workers[k].name, std::to_string(workers[k].pieces), std::to_string(workers[k].rows),
+                   workers[k].running ? "running" : "ended, or on another machine"});
+    const std::size_t more = workers.size() - std::min(shown, workers.size());
+    return "\n" + table.text(2) + (more > 0 ? fmt::format("  … and {} more\n", more) : "");
+}
+
+std::string sweep_text(const std::string& folder) {
+    const tasks::FolderProgress progress = tasks::folder_progress(folder);
+    const auto of = [&](const char* name) { return engine::visible(progress.facts.text(name)); };
+    const bool finished = progress.facts.finished();
+    std::string text = fmt::format("{}: results of a sweep\n", engine::visible(folder));
     text += field("sweep", of("sweep")) + (of("description").empty() ? "" : field("", of("description"))) +
-            field("status", of("status") == "running" && !running ? "not finished, or running elsewhere" : of("status"));
-    text += field("cases", fmt::format("{} of {}", table.size(), of("cases"))) + tally_text(tally);
+            field("status", finished                ? "finished"
+                            : running(progress) > 0 ? "running"
+                                                    : "not finished, or running elsewhere");
+    text += field("cases", fmt::format("{} of {}", progress.tally.rows(), of("cases"))) + tally_text(progress.tally);
     text += field("program", fmt::format("cvtflow {} ({})", of("program_version"), of("commit"))) + field("date", of("date"));
-    text += field("results hash", tasks::results_hash(table)) + field("rows", "cvtflow table " + file);
-    return text + columns_text(table.layout);
-}
-
-/// @throws engine::RecordError also for a folder without a table, with what it contains
-tasks::FolderProgress folder_progress(const std::string& folder) {
-    tasks::FolderProgress progress = tasks::folder_progress(folder);
-    if (progress.parts.empty()) static_cast<void>(table_path(folder));
-    return progress;
-}
-
-/// State of a part. Cases that a killed process had claimed are done by others.
-std::string part_state(const tasks::FolderProgress::Part& part) {
-    return part.running ? "running" : part.claimed > part.done ? "stopped" : "ended";
-}
-
-/// Progress of the processes that share a folder.
-std::string shared_text(const std::string& folder, tasks::FolderProgress progress) {
-    constexpr std::size_t shown_parts = 20;
-    const auto of = [&](const char* name) { return engine::visible(progress.head.attribute(name)); };
-    std::string text = fmt::format("{}: a sweep in parts, {} of {} running\n", folder, progress.running(), progress.parts.size());
-    text += field("sweep", of("sweep")) + (of("description").empty() ? "" : field("", of("description")));
-    text += field("cases", fmt::format("{} of {}", progress.tally.rows(), progress.cases)) + tally_text(progress.tally);
-    Table table({{"folder"}, {"cases claimed", Align::right}, {"done", Align::right}, {"process"}});
-    std::stable_partition(progress.parts.begin(), progress.parts.end(),
-                          [](const tasks::FolderProgress::Part& part) { return part.running; });
-    for (std::size_t k = 0; k < std::min(shown_parts, progress.parts.size()); ++k) {
-        const tasks::FolderProgress::Part& part = progress.parts[k];
-        table.add({part.folder, std::to_string(part.claimed), std::to_string(part.done), part_state(part)});
-    }
-    const std::size_t more = progress.parts.size() - std::min(shown_parts, progress.parts.size());
-    return text + "\n" + table.text(2) + (more > 0 ? fmt::format("  … and {} more\n", more) : "");
+    if (finished) text += field("results hash", of("results_hash"));
+    text += field("rows", "cvtflow table " + folder);
+    return text + (finished ? "" : workers_text(progress.workers)) + columns_text(progress.facts.columns);
 }
 
 nlohmann::ordered_json sweep_json(const std::string& folder) {
-    const tasks::FolderProgress progress = folder_progress(folder);
-    nlohmann::ordered_json parts = nlohmann::ordered_json::array();
-    for (const tasks::FolderProgress::Part& part : progress.parts)
-        parts.push_back({{"folder", part.folder}, {"claimed", part.claimed}, {"done", part.done}, {"process", part_state(part)}});
-    nlohmann::ordered_json all{
-        {"folder", folder}, {"sweep", progress.head.attribute("sweep")}, {"cases", progress.cases}, {"done", progress.tally.rows()}};
+    const tasks::FolderProgress progress = tasks::folder_progress(folder);
+    nlohmann::ordered_json workers = nlohmann::ordered_json::array();
+    for (const auto& [name, rows, pieces, at_work] : progress.workers)
+        workers.push_back({{"rows", name}, {"claims", pieces}, {"cases", rows}, {"running", at_work}});
+    nlohmann::ordered_json all{{"folder", folder},
+                               {"sweep", progress.facts.text("sweep")},
+                               {"status", progress.facts.text("status")},
+                               {"cases", progress.facts.cases()},
+                               {"done", progress.tally.rows()}};
     all.update(tally_json(progress.tally));
-    all["running"] = progress.running();
-    all["parts"] = parts;
+    all["running"] = running(progress);
+    all["workers"] = workers;
     return all;
 }
 
 /// Text for the kind of the file.
 std::string info_text(const std::string& path) {
-    if (std::filesystem::is_directory(path)) {
-        const bool whole = std::filesystem::exists(std::filesystem::path(path) / "cases.h5");
-        return whole ? sweep_text(table_path(path)) : shared_text(path, folder_progress(path));
-    }
-    constexpr std::string (*kinds[])(const std::string&) = {run_text, state_text, sweep_text};
+    if (std::filesystem::is_directory(path)) return sweep_text(sweep_folder(path));
+    constexpr std::string (*kinds[])(const std::string&) = {run_text, state_text};
     for (const auto kind : kinds) {
         try {
             return kind(path);
@@ -181,22 +180,21 @@ std::string info_text(const std::string& path) {
             if (!other_kind) throw;
         }
     }
-    throw engine::RecordError(path + ": an HDF5 file, but neither a record, a state nor a sweep's table of cvtflow");
+    throw engine::RecordError(path + ": an HDF5 file, but neither a record nor a state of cvtflow");
 }
 
 }  // namespace
 
 Action declare_info(CLI::App& app) {
     const auto path = std::make_shared<std::string>();
-    with_default_place(
-        app.add_option("FILE", *path, "Record (also FILE.part of a running or killed run), state file, or a sweep's folder or cases.h5"))
+    with_default_place(app.add_option("FILE", *path, "Record (also FILE.part of a running or killed run), state file, or a sweep's folder"))
         ->required()
         ->type_name("");
     const auto json = std::make_shared<bool>(false);
     app.add_flag("--json", *json, "A sweep's folder: how far it is, as JSON");
     return [path, json] {
         if (*json && !std::filesystem::is_directory(*path)) throw UsageError("--json requires the folder of a sweep");
-        fmt::print("{}", *json ? sweep_json(*path).dump(2) + "\n" : info_text(*path));
+        fmt::print("{}", *json ? sweep_json(sweep_folder(*path)).dump(2) + "\n" : info_text(*path));
         return ExitStatus::finished;
     };
 }

@@ -82,20 +82,13 @@ tasks::Scene scene_to_resume(const ResumeArguments& arguments, const tasks::Chec
     return scene;
 }
 
-/// Runs the unfinished cases of a sweep, or of the worker whose folder is named.
+/// Runs the unfinished cases of a sweep.
 ExitStatus resume_sweep(const ResumeArguments& arguments) {
     tasks::BatchOptions options;
     options.folder = arguments.what;
     while (options.folder.size() > 1 && options.folder.back() == '/') options.folder.pop_back();
-    if (arguments.every) options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.every);
     options.keep_going = arguments.keep_going;
-    options.mixed = arguments.mixed;
-    const tasks::Sweep sweep = load_sweep(sweep_of(arguments.what));
-    if (const auto shard = tasks::shard_in(options.folder); shard && !shard->whole()) {
-        options.folder = std::filesystem::path(options.folder).parent_path().parent_path().string();
-        if (!shard->claims()) options.shard = *shard;
-    }
-    return run_sweep(sweep, options, {.quiet = arguments.quiet});
+    return run_sweep(load_sweep(sweep_of(arguments.what)), options, {.quiet = arguments.quiet});
 }
 
 ExitStatus resume_run(const ResumeArguments& arguments) {
@@ -138,7 +131,7 @@ Action declare_resume(CLI::App& app) {
     app.add_flag("--force", arguments->force, force_meaning);
     app.add_option("--checkpoint-every", arguments->every, "Wall time between checkpoints (default: 60 s)")->type_name("TIME");
     app.add_flag("--keep-going", arguments->keep_going, keep_going_meaning);
-    app.add_flag("--mixed", arguments->mixed, mixed_meaning);
+    app.add_flag("--mixed", arguments->mixed, "Continue a run that another version of the program began");
     app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
     app.footer(
         "The results are bitwise equal to those of an uninterrupted run. A checkpoint of another scene, method or model is refused.\n"

@@ -10,9 +10,6 @@
 
 namespace cvtflow::tools {
 
-/// Help of --mixed.
-inline constexpr const char* mixed_meaning = "Continue or join what another version of the program, or another start state, began";
-
 /// Help of --keep-going.
 inline constexpr const char* keep_going_meaning = "Continue a sweep if its first dozen cases all fail with the same message";
 
@@ -24,12 +21,8 @@ struct SweepOutput {
     bool json = false;   ///< progress and summary as lines of JSON
 };
 
-/// Runs or continues a sweep; shows progress and a summary.
-/// @param as_worker  together with other processes; also where workers have begun it and not all cases are done
-ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, SweepOutput output, bool as_worker = false);
-
-/// @throws UsageError for an unknown status
-void require_statuses(const std::string& option, const std::vector<std::string>& given);
+/// Runs or continues a sweep, together with every other process that runs it in that folder; shows progress and a summary.
+ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, SweepOutput output);
 
 /// Lines of a summary: statuses, how many cases failed and with which messages, how many have which notes.
 [[nodiscard]] std::string tally_text(const tasks::CaseTally& tally);

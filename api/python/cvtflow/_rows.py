@@ -1,0 +1,123 @@
+"""Results of sweeps as they lie in files: lines of text with checksums. Needs nothing but Python."""
+
+import collections
+import csv
+import json
+import os
+import zlib
+
+Column = collections.namedtuple("Column", "name unit description key shown")  # shown: (unit for people, factor to it from SI)
+
+TEXTS = ("status", "notes", "start", "start_state", "program", "hash", "error")
+UNHASHED = ("case", "wall", "program", "start_state")  # differ from run to run, or name what a row comes from
+
+
+class DamagedRows(ValueError):
+    """A line whose checksum differs, or a file that is no table of results."""
+
+
+class Rows:
+    """Results of a sweep in the order of cases. path: as named; name: of the sweep; facts: sweep.json, {} of a CSV; columns: a list of Column;
+    cells: by name of column, numbers where all are (nan: none), else texts."""
+
+    def __init__(self, path, name, facts, columns, lines):
+        self.path, self.name, self.facts, self._columns = path, name, facts, columns
+        self.size = len(lines)
+        self.cells = {column.name: _values(column, [line[place] for line in lines]) for place, column in enumerate(columns)}
+
+    def columns(self):
+        return self._columns
+
+    def give_units(self, units):
+        """Gives columns without a unit that of their name."""
+        self._columns = [column if column.unit else column._replace(unit=units.get(column.name, "")) for column in self._columns]
+
+    def attributes(self):
+        return self.facts
+
+    def read(self, name):
+        return self.cells[name]
+
+
+def _values(column, texts):
+    """Numbers where all cells are, and some are not empty."""
+    if column.name in TEXTS:
+        return texts
+    try:
+        values = [float(text) if text else float("nan") for text in texts]
+    except ValueError:
+        return texts
+    return values if any(texts) else texts
+
+
+def read(path):
+    """The Rows of a sweep's folder, finished or not, of its results.csv, or of any CSV with a column `status`. Raises OSError,
+    DamagedRows."""
+    path = os.fspath(path)
+    folder = path if os.path.isdir(path) else os.path.dirname(path) if os.path.basename(path) == "results.csv" else None
+    facts = _facts(folder) if folder is not None else None
+    if facts is None and folder == path:
+        raise DamagedRows(f"{path}: {_what_else(path)}")
+    if facts is None:
+        return _of_csv(path)
+    names = ["results.csv"] if facts["status"] == "finished" else sorted(
+        name for name in os.listdir(folder) if name.startswith("rows-") and name.endswith(".csv"))
+    found = {}
+    for name in names:
+        for cells in _lines(os.path.join(folder, name))[1:]:
+            found.setdefault(int(cells[0]), cells)
+    columns = [Column(each["name"], each["unit"], each["description"], each.get("key", ""), tuple(each.get("shown", (each["unit"], 1.0))))
+               for each in facts["columns"]]
+    return Rows(path, facts["sweep"], facts, columns, [found[number] for number in sorted(found)])
+
+
+def _facts(folder):
+    """sweep.json of a folder; None: there is none."""
+    try:
+        with open(os.path.join(folder, "sweep.json"), encoding="utf-8") as file:
+            return json.load(file)
+    except FileNotFoundError:
+        return None
+    except ValueError:
+        raise DamagedRows(f"{os.path.join(folder, 'sweep.json')}: damaged") from None
+
+
+def _what_else(folder):
+    """What a folder without results has."""
+    names = sorted(os.listdir(folder))
+    if "cases.h5" in names or "workers" in names:
+        return ("results of cvtflow 0.4 or before, which this version does not read; `cvtflow table DIR --csv` of that version writes a CSV, "
+                "which this one reads")
+    records = [os.path.join(folder, name) for name in names if name.endswith(".h5")]
+    some = ", ".join(records[:3]) + (", …" if len(records) > 3 else "")
+    return "a folder without results of a sweep (sweep.json)" + (f"; it contains {some}: name one of these files" if records else "")
+
+
+def _lines(path):
+    """Cells of the lines of a file with checksums, the heading first, without the checksum. A torn last line is none."""
+    with open(path, "rb") as file:
+        lines = file.read().split(b"\n")[:-1]
+    for number, line in enumerate(lines[1:], 2):
+        cells, _, checksum = line.rpartition(b",")
+        if b"%08x" % zlib.crc32(cells) != checksum:
+            raise DamagedRows(f"{path}:{number}: its checksum differs")
+    return [cells[:-1] for cells in csv.reader(line.decode("utf-8", "replace") for line in lines)]
+
+
+def _of_csv(path):
+    """A CSV such as `cvtflow table --csv` prints, or a copy of results.csv."""
+    with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
+        text = file.read()
+    heading = text.partition("\n")[0]
+    if heading.rstrip("\r").endswith(",crc32"):
+        lines = _lines(path)
+    else:
+        lines = [line for line in csv.reader(text.splitlines(), delimiter=";" if ";" in heading else ",") if line]
+    names = [cell.partition("[") for cell in lines[0]] if lines else []
+    columns = [Column(name.strip(), unit.rstrip("] "), "", "", (unit.rstrip("] "), 1.0)) for name, _, unit in names]
+    if len(lines) < 2 or "status" not in [column.name for column in columns]:
+        raise DamagedRows(f"{path}: not a sweep's table as cvtflow table --csv prints it")
+    for number, line in enumerate(lines[1:], 2):
+        if len(line) != len(columns):
+            raise DamagedRows(f"{path}:{number}: {len(line)} cells, not {len(columns)}")
+    return Rows(path, os.path.splitext(os.path.basename(path))[0], {}, columns, lines[1:])

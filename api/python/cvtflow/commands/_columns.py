@@ -1,0 +1,43 @@
+"""Columns of sweeps as people see them: names of columns, cells, tables of text."""
+
+import difflib
+import math
+import re
+
+from ._front import UsageError
+
+
+def column_of(rows, word, option=""):
+    """The Column that a word means: a name, a key with dots, or a scalar ("slip mean"). Raises UsageError."""
+    plain = re.sub(r"[^A-Za-z0-9]+", "_", word).strip("_")
+    for column in rows.columns():
+        if column.name == plain:
+            return column
+    near = difflib.get_close_matches(plain, [column.name for column in rows.columns()], 1)
+    raise UsageError(f"{option or word}: the table {rows.path} has no such column" + (f' (did you mean "{near[0]}"?)' if near else ""))
+
+
+def heading_of(column, si):
+    """Name and unit, and the factor to it from SI: ("slip_mean [%]", 100.0)."""
+    unit, factor = (column.unit, 1.0) if si else column.shown
+    return (f"{column.name} [{unit}]" if unit not in ("", "1") else column.name), factor
+
+
+def exact(value):
+    """A number so that it reads back as the same: 6, 0.25, nan."""
+    return repr(value).removesuffix(".0") if isinstance(value, float) else value
+
+
+def short(value, factor=1.0, digits=6):
+    """A cell as people read it."""
+    if not isinstance(value, float):
+        return value
+    return "-" if math.isnan(value) else f"{factor * value:.{digits}g}"
+
+
+def table(headings, lines, left, indent=0):
+    """Lines of cells under headings, as wide as their longest cell. left: whether a column is aligned so."""
+    widths = [max(map(len, column)) for column in zip(headings, *lines)]
+    shown = [headings, ["-" * width for width in widths], *lines]
+    return "".join((" " * indent + "  ".join(cell.ljust(width) if is_left else cell.rjust(width) for cell, width, is_left
+                                              in zip(line, widths, left))).rstrip() + "\n" for line in shown)
