@@ -71,9 +71,9 @@ def _common_keys(a, b):
 
 def _leading_keys(rows):
     """Columns of a CSV that are keys of scenes, by the library, which knows them all."""
-    from ._front import library
+    from .. import scene_keys
 
-    names = {key.name.replace(".", "_") for key in library().scene_keys()}
+    names = {key.name.replace(".", "_") for key in scene_keys()}
     return {column.name for column in rows.columns() if column.name in names and column.name != "start_state"}
 
 

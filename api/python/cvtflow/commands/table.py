@@ -5,7 +5,7 @@ import sys
 
 from .. import _rows
 from ._columns import column_of, exact, heading_of, short, table
-from ._front import SI, UsageError, file_or_result, library, require, visible
+from ._front import SI, UsageError, file_or_result, require, visible
 
 DESCRIPTION = "Show the results of a sweep as text or CSV, or count the cycles of a recorded load"
 FOOTER = """In Python: pandas.read_csv("DIR/results.csv") is the table of a finished sweep, cvtflow.Sweep.results("DIR") that of any."""
@@ -112,24 +112,25 @@ def _rainflow(arguments):
     if arguments.csv and arguments.json:
         raise UsageError("--csv or --json, not both")
     require("table --rainflow", "numpy", "h5py")
-    cvtflow = library()
     from .. import _loads
+    from .._series import Record
 
-    begin = _time(cvtflow, "--from", arguments.begin, 0.0)
-    until = _time(cvtflow, "--until", arguments.until, math.inf)
+    begin, until = _time("--from", arguments.begin, 0.0), _time("--until", arguments.until, math.inf)
     kind = "json" if arguments.json else "csv" if arguments.csv else "text"
-    sys.stdout.write(_loads.printed(cvtflow.Record(arguments.dir), arguments.rainflow, begin, until, arguments.classes, arguments.exponent,
+    sys.stdout.write(_loads.printed(Record(arguments.dir), arguments.rainflow, begin, until, arguments.classes, arguments.exponent,
                                     kind, arguments.si))
 
 
-def _time(cvtflow, option, text, otherwise):
+def _time(option, text, otherwise):
     if text is None:
         return otherwise
     try:
         return float(text)
     except ValueError:
         pass
+    from .. import quantity
+
     try:
-        return cvtflow.quantity(text, "s")
+        return quantity(text, "s")
     except ValueError:
         raise UsageError(f"{option} {text}: not a time") from None
