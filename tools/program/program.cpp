@@ -150,7 +150,6 @@ int execute(const Program& program, int argc, char** argv) {
 int run_program(const Program& program, int argc, char** argv) noexcept {
     take_standard_descriptors();
     engine::disable_hdf5_atexit();
-    engine::try_files_first();
     name_program(program.name);
     return finish_output(guarded([&] { return execute(program, argc, argv); }));
 }

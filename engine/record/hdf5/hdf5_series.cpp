@@ -5,33 +5,9 @@
 #include <cstring>
 #include <limits>
 
-#include "engine/base/text.hpp"
-
 namespace cvtflow::engine::hdf5 {
 
 namespace {
-
-constexpr std::size_t max_row_bytes = std::size_t{1} << 24U;    ///< a state of two million unknowns
-constexpr std::size_t max_chunk_bytes = std::size_t{1} << 26U;  ///< HDF5 takes memory for a chunk whatever is in it
-constexpr std::size_t max_inflated = 1032;                      ///< deflate cannot make more of a byte
-constexpr int deepest_group = 8;
-constexpr std::size_t max_objects = 20'000;  ///< groups may contain one another
-constexpr std::size_t longest_label = 4096;  ///< [byte]
-
-/// Throws Failure for filters other than ours. @return how many bytes one byte of the file may become
-std::size_t inflation(hid_t creation, const std::string& what) {
-    std::size_t inflated = 1;
-    const int filters = check(H5Pget_nfilters(creation), what);
-    for (int i = 0; i < filters; ++i) {
-        unsigned flags = 0, configuration = 0;
-        std::size_t count = 0;
-        const H5Z_filter_t filter = H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &count, nullptr, 0, nullptr, &configuration);
-        if ((filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_DEFLATE) || inflated > max_inflated)
-            throw Failure(what + ": unknown filters");
-        inflated *= filter == H5Z_FILTER_DEFLATE ? max_inflated : 1;
-    }
-    return inflated;
-}
 
 /// Rows of a dataset, in the file and as a block in memory.
 struct RowSpaces {
@@ -45,34 +21,9 @@ struct RowSpaces {
     }
 };
 
-struct Listing {
-    std::vector<std::string> datasets;
-    std::size_t objects = 0;
-};
-
-void collect_datasets(hid_t file, const std::string& group, const std::string& prefix, int depth, Listing& found) {
-    const std::string what = "cannot list '" + group + "'";
-    if (depth > deepest_group) throw Failure(what + ": nested too deeply");
-    std::vector<std::string> names;
-    const auto collect = [](hid_t, const char* name, const H5L_info_t* link, void* client) -> herr_t {
-        return link->type == H5L_TYPE_HARD ? note_name(name, client) : 0;
-    };
-    {
-        const Handle handle(H5Gopen2(file, group.c_str(), H5P_DEFAULT), H5Gclose, what);
-        // In HDF5's order: for any other it makes a table of the links, and where a read fails in that it frees what it has not filled.
-        check(H5Literate(handle.id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), what);
-        std::sort(names.begin(), names.end());
-    }
-    if ((found.objects += names.size()) > max_objects) throw Failure(what + ": too many objects");
-    for (const std::string& name : names) {
-        const std::string path = (group == "/" ? "" : group) + "/" + name;
-        const Handle object(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose, "cannot open '" + path + "'");
-        const H5I_type_t kind = H5Iget_type(object.id());
-        if (kind == H5I_DATASET)
-            found.datasets.push_back(prefix + name);
-        else if (kind == H5I_GROUP)
-            collect_datasets(file, path, prefix + name + "/", depth + 1, found);
-    }
+/// H5Ovisit's callback: appends the paths of datasets to the std::vector<std::string> behind `names`.
+herr_t note_dataset(hid_t, const char* name, const H5O_info_t* object, void* names) noexcept {
+    return object->type == H5O_TYPE_DATASET ? note_name(name, names) : 0;
 }
 
 }  // namespace
@@ -123,7 +74,6 @@ Series::Series(hid_t file, std::string path, Cells cells, int max_rank) : path_(
     dataset_ = open_series(file, path_);
     require_type(cells);
     require_extent(max_rank);
-    require_storage(file);
 }
 
 void Series::fail(const std::string& reason) const { throw Failure("cannot read '" + path_ + "': " + reason); }
@@ -148,29 +98,6 @@ void Series::require_extent(int max_rank) {
     width_ = sizes[1];
 }
 
-/// Checks that the data are in the file itself and as long as the extent requires: a file of some kilobytes can promise terabytes of fill
-/// values.
-void Series::require_storage(hid_t file) {
-    const std::string what = "cannot read '" + path_ + "'";
-    const Handle type(H5Dget_type(id()), H5Tclose, what);
-    const std::size_t cell = H5Tget_size(type.id());
-    if (width_ == 0 || cell == 0 || width_ > max_row_bytes / cell) fail("its rows are " + std::string(width_ == 0 ? "empty" : "too long"));
-    const Handle creation(H5Dget_create_plist(id()), H5Pclose, what);
-    const H5D_layout_t layout = H5Pget_layout(creation.id());
-    if ((layout != H5D_CHUNKED && layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) || H5Pget_external_count(creation.id()) != 0)
-        fail("its data are not in the file");
-    if (layout == H5D_CHUNKED) {
-        std::array<hsize_t, 2> chunk{1, 1};
-        check(H5Pget_chunk(creation.id(), rank_, chunk.data()), what);
-        if (chunk[0] == 0 || chunk[1] == 0 || chunk[1] > max_chunk_bytes / cell || chunk[0] > max_chunk_bytes / (cell * chunk[1]))
-            fail("its chunks are too large");
-    }
-    const std::size_t row = width_ * cell;
-    row_bytes_ = std::max(row, width_ * sizeof(double));
-    if (rows_ > bytes_on_disk(file) * inflation(creation.id(), what) / row)
-        fail("it claims " + std::to_string(rows_) + " rows of " + std::to_string(row) + " bytes, for which the file is too small");
-}
-
 void Series::read(hid_t type, std::size_t first, std::size_t count, void* memory, std::size_t bytes) const {
     if (first > rows_ || count > rows_ - first) fail("it has " + std::to_string(rows_) + " rows, not " + std::to_string(first + count));
     if (bytes != count * width_ * H5Tget_size(type)) fail("its rows have another size");
@@ -188,39 +115,25 @@ std::vector<double> Series::reals(std::size_t first, std::size_t count) const {
     return values;
 }
 
-void ReadBudget::take(std::uint64_t bytes) {
-    if (bytes > left_) throw Failure("its data would need far more memory than the size of the file");
-    left_ -= bytes;
-}
-
-std::string label(std::string text, const std::string& of) {
-    if (text.size() > longest_label)
-        throw Failure("cannot read '" + of + "': a name or description of " + std::to_string(text.size()) + " bytes");
-    if (has_control(text)) throw Failure("cannot read '" + of + "': a name or description has control characters");
-    return text;
-}
-
 bool has_object(hid_t file, const std::string& path) {
     for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
-        const std::string part = path.substr(0, end);
-        H5L_info_t link{};
-        if (H5Lexists(file, part.c_str(), H5P_DEFAULT) <= 0 || H5Lget_info(file, part.c_str(), &link, H5P_DEFAULT) < 0 ||
-            link.type != H5L_TYPE_HARD)
-            return false;
+        if (H5Lexists(file, path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
         if (end == std::string::npos) return true;
-        const Handle object(H5Oopen(file, part.c_str(), H5P_DEFAULT), H5Oclose, "cannot open '" + part + "'");
-        if (H5Iget_type(object.id()) != H5I_GROUP) return false;
     }
 }
 
 std::vector<std::string> dataset_names(hid_t file, const std::string& group) {
-    Listing found;
-    if (group == "/" || has_object(file, group)) collect_datasets(file, group, "", 0, found);
-    return std::move(found.datasets);
+    std::vector<std::string> names;
+    if (group != "/" && !has_object(file, group)) return names;
+    const std::string what = "cannot list '" + group + "'";
+    const Handle handle(H5Gopen2(file, group.c_str(), H5P_DEFAULT), H5Gclose, what);
+    check(H5Ovisit2(handle.id(), H5_INDEX_NAME, H5_ITER_NATIVE, note_dataset, &names, H5O_INFO_BASIC), what);
+    std::sort(names.begin(), names.end());
+    return names;
 }
 
 int require_record_type(hid_t type, const std::string& what) {
-    if (H5Tget_class(type) != H5T_COMPOUND || H5Tget_size(type) > max_row_bytes) throw Failure(what + ": not a table");
+    if (H5Tget_class(type) != H5T_COMPOUND) throw Failure(what + ": not a table");
     const int members = check(H5Tget_nmembers(type), what);
     for (unsigned i = 0; i < static_cast<unsigned>(members); ++i) {
         const Handle member(H5Tget_member_type(type, i), H5Tclose, what);

@@ -37,11 +37,10 @@ void write_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before
 /// Required type of elements.
 enum class Cells { reals, bytes, records };  ///< float64; 8-bit integers; compounds of 8-byte numbers and texts
 
-/// A dataset of an untrusted file: nothing is trusted or allocated that the file's size does not allow.
+/// A dataset that is read.
 class Series {
 public:
-    /// Throws Failure("cannot read '<path>': reason") for what is no dataset reached by hard links, has another type or rank, data
-    /// elsewhere, filters other than shuffle and deflate, or more rows than the file's bytes can hold.
+    /// Throws Failure("cannot read '<path>': reason") for what is no dataset, or has another type or rank.
     /// @param max_rank 1: [rows] only; 2: [rows, width] as well
     Series(hid_t file, std::string path, Cells cells, int max_rank = 1);
 
@@ -50,8 +49,6 @@ public:
     /// Elements per row; 1 if the rank is 1.
     [[nodiscard]] std::size_t width() const noexcept { return width_; }
     [[nodiscard]] int rank() const noexcept { return rank_; }
-    /// Size of all rows in memory, as numbers of 8 bytes or as in the file, whichever is larger.
-    [[nodiscard]] std::uint64_t bytes() const noexcept { return rows_ * row_bytes_; }
 
     /// Copies rows first … first + count - 1, converted to `type`. Throws Failure if they are not all there, or damaged.
     /// @param bytes that `memory` has; must be count * width elements of `type`
@@ -62,36 +59,17 @@ private:
     [[noreturn]] void fail(const std::string& reason) const;
     void require_type(Cells cells) const;
     void require_extent(int max_rank);
-    void require_storage(hid_t file);
 
     std::string path_;
     Handle dataset_;
     std::size_t rows_ = 0;
     std::size_t width_ = 1;
-    std::uint64_t row_bytes_ = 8;
     int rank_ = 1;
 };
 
-/// Memory that readers of one file may take together: deflate expands some kilobytes to gigabytes, and a dataset can have a thousand names.
-/// Our files take as much memory as on disk; four times as much, and 16 MiB more, allow for files that others have compressed.
-class ReadBudget {
-public:
-    explicit ReadBudget(hid_t file) : left_(4 * bytes_on_disk(file) + (std::uint64_t{16} << 20U)) {}
-    /// Throws Failure if that is more than is left.
-    void take(std::uint64_t bytes);
-
-private:
-    std::uint64_t left_;
-};
-
-/// A name, unit or sentence out of a file, as it is shown in tables and pages. Throws Failure if it is too long, or contains
-/// control characters.
-[[nodiscard]] std::string label(std::string text, const std::string& of);
-
-/// Whether there is an object of that path, by hard links from group to group.
+/// Whether there is an object of that path.
 [[nodiscard]] bool has_object(hid_t file, const std::string& path);
-/// Paths of all datasets of a group and of the groups in it, relative to it, sorted; empty if it is not there. Throws Failure, also for
-/// groups nested deeper than names of channels are.
+/// Paths of all datasets of a group and of the groups in it, relative to it, sorted; empty if it is not there. Throws Failure.
 [[nodiscard]] std::vector<std::string> dataset_names(hid_t file, const std::string& group);
 
 /// Throws Failure for a compound that is made of anything but 8-byte numbers and texts of fixed length. @return its members

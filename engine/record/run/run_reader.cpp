@@ -10,15 +10,14 @@
 namespace cvtflow::engine {
 namespace {
 
-std::vector<ChannelInfo> read_channels(hid_t file, hdf5::ReadBudget& budget) {
+std::vector<ChannelInfo> read_channels(hid_t file) {
     std::vector<std::pair<std::int64_t, ChannelInfo>> found;
     for (const std::string& name : hdf5::dataset_names(file, "/channels")) {
         if (name == "time") continue;
         const hdf5::Series series(file, "/channels/" + name, hdf5::Cells::reals, 2);
-        budget.take(series.bytes());
-        const auto text = [&](const char* of) { return hdf5::label(hdf5::read_text(series.id(), of), name); };
+        const auto text = [&](const char* of) { return hdf5::read_text(series.id(), of); };
         found.push_back({hdf5::read_integer(series.id(), "index", 0),
-                         {hdf5::label(name, name), text("units"), text("description"), static_cast<int>(series.width()), text("axis")}});
+                         {name, text("units"), text("description"), static_cast<int>(series.width()), text("axis")}});
     }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<ChannelInfo> channels;
@@ -26,11 +25,10 @@ std::vector<ChannelInfo> read_channels(hid_t file, hdf5::ReadBudget& budget) {
     return channels;
 }
 
-TableInfo read_table_info(hid_t file, const std::string& name, hdf5::ReadBudget& budget) {
+TableInfo read_table_info(hid_t file, const std::string& name) {
     const hdf5::Series series(file, "/tables/" + name, hdf5::Cells::records);
-    budget.take(series.bytes());
     const hdf5::Handle type(H5Dget_type(series.id()), H5Tclose, "cannot read the type of table '" + name + "'");
-    TableInfo table{hdf5::label(name, name), hdf5::label(hdf5::read_text(series.id(), "description"), name), {}};
+    TableInfo table{name, hdf5::read_text(series.id(), "description"), {}};
     const auto units = hdf5::read_texts(series.id(), "units");
     const auto descriptions = hdf5::read_texts(series.id(), "descriptions");
     const int members = hdf5::require_record_type(type.id(), "cannot read table '" + name + "'");
@@ -38,23 +36,22 @@ TableInfo read_table_info(hid_t file, const std::string& name, hdf5::ReadBudget&
         const std::unique_ptr<char, herr_t (*)(void*)> column(H5Tget_member_name(type.id(), i), H5free_memory);
         const H5T_class_t kind = H5Tget_member_class(type.id(), i);
         if (column == nullptr || kind == H5T_STRING) throw hdf5::Failure("cannot read table '" + name + "': it has texts");
-        const auto text = [&](const auto& texts) { return i < texts.size() ? hdf5::label(texts[i], name) : ""; };
-        table.columns.push_back({hdf5::label(column.get(), name), text(units), text(descriptions),
+        const auto text = [&](const auto& texts) { return i < texts.size() ? texts[i] : ""; };
+        table.columns.push_back({column.get(), text(units), text(descriptions),
                                  kind == H5T_INTEGER ? ColumnType::integer : ColumnType::real});
     }
     return table;
 }
 
-std::vector<TableInfo> read_tables(hid_t file, hdf5::ReadBudget& budget) {
+std::vector<TableInfo> read_tables(hid_t file) {
     std::vector<TableInfo> tables;
-    for (const std::string& name : hdf5::dataset_names(file, "/tables")) tables.push_back(read_table_info(file, name, budget));
+    for (const std::string& name : hdf5::dataset_names(file, "/tables")) tables.push_back(read_table_info(file, name));
     return tables;
 }
 
-std::size_t rows_of(hid_t file, const std::string& path, hdf5::ReadBudget& budget) {
+std::size_t rows_of(hid_t file, const std::string& path) {
     if (!hdf5::has_object(file, path)) return 0;
     const hdf5::Series series(file, path, hdf5::Cells::reals);
-    budget.take(series.bytes());
     return series.rows();
 }
 
@@ -80,11 +77,10 @@ RunReader::RunReader(const std::string& path)
         std::erase_if(attributes_, [](const Attribute& each) {
             return each.name == "format" || each.name == "format_version" || each.name == "status";
         });
-        hdf5::ReadBudget budget(file);
-        channels_ = read_channels(file, budget);
-        tables_ = read_tables(file, budget);
-        rows_ = rows_of(file, "/channels/time", budget);
-        states_ = rows_of(file, "/states/time", budget);
+        channels_ = read_channels(file);
+        tables_ = read_tables(file);
+        rows_ = rows_of(file, "/channels/time");
+        states_ = rows_of(file, "/states/time");
     });
 }
 

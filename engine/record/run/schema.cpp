@@ -21,16 +21,6 @@ std::vector<Attribute> attributes_of(const Provenance& provenance) {
             {"hdf5_version", std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(release)}};
 }
 
-namespace {
-
-bool tried_first = false;  // set by a program's main(), before there are threads
-
-}  // namespace
-
-void try_files_first(bool tried) noexcept { tried_first = tried; }
-
-bool files_are_tried() noexcept { return tried_first; }
-
 void disable_hdf5_atexit() noexcept { static_cast<void>(H5dont_atexit()); }  // fails only where HDF5 is at work already
 
 }  // namespace cvtflow::engine

@@ -59,12 +59,6 @@ template <class Value>
     return nullptr;
 }
 
-/// Checks every file in a child process first, from now on and while this process has a single thread, so that a forged file that makes
-/// HDF5 crash is an error like others. For cvtflow's programs only: a fork may disturb a host.
-/// @param tried false: not any more, in the child itself
-void try_files_first(bool tried = true) noexcept;
-[[nodiscard]] bool files_are_tried() noexcept;
-
 /// Provenance as attributes "program_version", "commit", "compiler", "build_type", "instruction_set", "cpu", "cores", "os", "date",
 /// and "hdf5_version".
 [[nodiscard]] std::vector<Attribute> attributes_of(const Provenance& provenance);

@@ -91,24 +91,22 @@ std::vector<std::byte> image_of(const SavedState& saved, const std::string& name
     return image;
 }
 
-std::vector<double> read_reals(hid_t file, const std::string& path, hdf5::ReadBudget& budget) {
+std::vector<double> read_reals(hid_t file, const std::string& path) {
     const hdf5::Series series(file, path, hdf5::Cells::reals);
-    budget.take(series.bytes());
     return series.reals(0, series.rows());
 }
 
-std::vector<std::uint8_t> read_bytes(hid_t file, const std::string& path, hdf5::ReadBudget& budget) {
+std::vector<std::uint8_t> read_bytes(hid_t file, const std::string& path) {
     const hdf5::Series series(file, path, hdf5::Cells::bytes);
-    budget.take(series.bytes());
     std::vector<std::uint8_t> values(series.rows());
     series.read(H5T_NATIVE_UINT8, 0, values.size(), values.data(), values.size());
     return values;
 }
 
-std::vector<NamedArray> read_more(hid_t file, hdf5::ReadBudget& budget) {
+std::vector<NamedArray> read_more(hid_t file) {
     std::vector<NamedArray> arrays;
     for (std::string& name : hdf5::dataset_names(file, "/more")) {
-        auto values = read_reals(file, "/more/" + name, budget);
+        auto values = read_reals(file, "/more/" + name);
         arrays.push_back({std::move(name), std::move(values)});
     }
     return arrays;
@@ -116,10 +114,9 @@ std::vector<NamedArray> read_more(hid_t file, hdf5::ReadBudget& budget) {
 
 SavedState read_contents(hid_t file) {
     SavedState saved;
-    hdf5::ReadBudget budget(file);
-    saved.more = read_more(file, budget);
-    saved.state = read_reals(file, "/y", budget);
-    saved.phases = read_bytes(file, "/phases", budget);
+    saved.more = read_more(file);
+    saved.state = read_reals(file, "/y");
+    saved.phases = read_bytes(file, "/phases");
     saved.fingerprint = hdf5::read_text(file, "fingerprint");
     saved.attributes = hdf5::read_attributes(file);
     if (const auto* time = attribute_value<double>(saved.attributes, "time")) saved.time = *time;
