@@ -37,8 +37,8 @@ TableInfo read_table_info(hid_t file, const std::string& name) {
         const H5T_class_t kind = H5Tget_member_class(type.id(), i);
         if (column == nullptr || kind == H5T_STRING) throw hdf5::Failure("cannot read table '" + name + "': it has texts");
         const auto text = [&](const auto& texts) { return i < texts.size() ? texts[i] : ""; };
-        table.columns.push_back({column.get(), text(units), text(descriptions),
-                                 kind == H5T_INTEGER ? ColumnType::integer : ColumnType::real});
+        table.columns.push_back(
+            {column.get(), text(units), text(descriptions), kind == H5T_INTEGER ? ColumnType::integer : ColumnType::real});
     }
     return table;
 }
