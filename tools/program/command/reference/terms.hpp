@@ -1,5 +1,5 @@
 #pragma once
-/// Words of the field and of this program that are no keys: for cvtflow explain, cvtflow list terms, and docs/glossary.md.
+/// Words of the field and of this program that are no keys: for cvtflow explain and cvtflow list terms.
 
 #include <string_view>
 
