@@ -34,19 +34,22 @@ HeldInverse free_inverse(const LinkInertia& inertia) noexcept {
     return {lateral, lateral, mirrored_inverse(inertia.axial_matrix.data(), 2)};
 }
 
-/// Returns the law as it is evaluated in floats: without division by zero, and proportional after rounding wherever it is in doubles.
-FrictionCurve in_floats(FrictionCurve curve) {
-    curve.proportional_speed = std::max(curve.proportional_speed, slowest_single);
-    curve.linear_speed_squared = (1.0 - 1e-6) * curve.proportional_speed * curve.proportional_speed;
-    return curve;
-}
-
 }  // namespace
 
+ContactField::ContactField(const ChainModel& chain)
+    : components{chain.coefficients().joint_points.count, chain.coefficients().plates.count} {
+    make_columns(chain.layout().links + 2);
+}
+
+void ContactField::make_columns(int count) {
+    columns = FloatColumns(components.count(), count);
+    arms = Columns(3 * tips_per_link, count);
+}
+
 FrictionNumbers::FrictionNumbers(const Coefficients& c, const HeldInverse& responses)
-    : joint(in_floats(c.joint.friction)),
-      plate(in_floats(c.plate_friction)),
-      tip(in_floats(c.tip.friction)),
+    : joint_saturation(c.joint.friction.saturation_speed),
+      plate_saturation(c.plate_friction.saturation_speed),
+      tip_saturation(c.tip.friction.saturation_speed),
       tip_law(c.tip.law),
       joint_points(rounded(c.joint_points)),
       plates(rounded(c.plates)) {

@@ -10,9 +10,6 @@
 
 namespace cvtflow::model {
 
-/// Slower sliding counts as this: its square is still a float, and so is one over it [m/s].
-inline constexpr double slowest_single = 1e-15;
-
 /// Constants of friction as floats, in which velocities inside a step are computed.
 struct FrictionNumbers {
     FrictionNumbers(const Coefficients& coefficients, const HeldInverse& responses);
@@ -20,8 +17,8 @@ struct FrictionNumbers {
     /// Takes another inverse.
     void respond_by(const HeldInverse& responses) noexcept;
 
-    FrictionCurve joint, plate, tip;
-    std::shared_ptr<const TipLaw> tip_law;  ///< nullptr: none
+    double joint_saturation, plate_saturation, tip_saturation;  ///< speeds from which friction has its full strength [m/s]
+    std::shared_ptr<const TipLaw> tip_law;                      ///< nullptr: none
     PointLanes<max_joint_lanes, float> joint_points;
     PointLanes<max_plate_lanes, float> plates;
     HeldNumbers<float> inverse;

@@ -193,7 +193,7 @@ private:
     /// The speed D ≥ v0 that a point slides with, or v0: Σ (without/(D + full))² = 1, one step of Newton's method from the last one on.
     [[nodiscard]] V sliding_speed(int g, const V (&without)[2], const V (&full)[2]) const noexcept {
         const int row = friction_.rows.joint_speed(g);
-        const V slowest(joints_.numbers.joint.saturation_speed);
+        const V slowest(joints_.numbers.joint_saturation);
         const V from = larger<W>(friction_.now[row], slowest);
         const Reciprocals<W> inverse(from + full[0], from + full[1]);
         const V across = without[0] * inverse.first, along = without[1] * inverse.second;
@@ -304,8 +304,7 @@ private:
     /// Σ secant, Σ ξ secant, Σ ξ² secant.
     void add_secants(V& a, V& b, V& e) const noexcept {
         const ContactComponents& components = links_.field.components;
-        const V z = friction_.now[rows_.plate_rate()], tilt = friction_.now[rows_.plate_rate() + 1],
-                slowest(numbers_.plate.saturation_speed);
+        const V z = friction_.now[rows_.plate_rate()], tilt = friction_.now[rows_.plate_rate() + 1], slowest(numbers_.plate_saturation);
         const auto add = [&](int plate, const V& inverse_speed) {
             const float xi = numbers_.plates.position[static_cast<std::size_t>(plate)];
             const V secant = links_.contact[components.plate(plate)] * inverse_speed, lever = xi * secant;
@@ -352,7 +351,7 @@ private:
         const AtTip<V> without =
             tips_.slip(corner, {v.x - responses_.tip * old.x, v.y - responses_.tip * old.y, v.z - responses_.tip * old.z}, turn);
         const V speed = sqrt(without.square()), lawful = lawful_share(full_slip, speed), lawful_slip = lawful * full_slip;
-        const V factor = -(lawful / (lawful_slip + larger<W>(speed - lawful_slip, V(numbers_.tip.saturation_speed))));
+        const V factor = -(lawful / (lawful_slip + larger<W>(speed - lawful_slip, V(numbers_.tip_saturation))));
         const V none(0.0);
         const auto held = [&](const V& sliding) { return select_greater<W>(friction_limit, none, factor * sliding, none); };
         const AtTip<V> part{held(without.x), held(without.y), held(without.z)};
@@ -369,7 +368,7 @@ private:
     /// Factor of the tips' law at the sliding speed that friction leaves. @param full_slip sliding that full friction removes [m/s]
     [[nodiscard]] V lawful_share(const V& full_slip, const V& speed) const noexcept {
         if (numbers_.tip_law == nullptr) return V(1.0);
-        return speed_factor<W>(*numbers_.tip_law, braked_speed<W>(*numbers_.tip_law, full_slip, speed, V(numbers_.tip.saturation_speed)));
+        return speed_factor<W>(*numbers_.tip_law, braked_speed<W>(*numbers_.tip_law, full_slip, speed, V(numbers_.tip_saturation)));
     }
 
     const FrictionOperator& operator_;

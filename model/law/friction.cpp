@@ -23,12 +23,6 @@ FrictionCurve::FrictionCurve(const Friction& friction, const Detail& detail) noe
     linear_speed_squared = (1.0 - 1e-12) * proportional_speed * proportional_speed;
 }
 
-FrictionCurve FrictionCurve::piecewise() const noexcept {
-    Detail detail;
-    detail.friction = FrictionLaw::piecewise;
-    return FrictionCurve({coefficient, saturation_speed}, detail);
-}
-
 namespace {
 
 /// Slope at a knot between two intervals: 0 at an extremum, else a weighted harmonic mean of both secants.

@@ -26,9 +26,6 @@ struct FrictionCurve {
 
     FrictionCurve() = default;
     FrictionCurve(const Friction& friction, const Detail& detail) noexcept;
-
-    /// Curve with the same coefficient and saturation speed, without a smoothed corner.
-    [[nodiscard]] FrictionCurve piecewise() const noexcept;
 };
 
 /// Monotone C¹ interpolation with a fixed number of knots: constant below the first and above the last, in between cubics that keep the

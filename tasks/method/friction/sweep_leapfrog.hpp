@@ -15,7 +15,6 @@
 
 #include "model/contact/sweep_step.hpp"
 #include "tasks/method/friction/kick_system.hpp"
-#include "tasks/method/friction/leapfrog_frame.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -89,6 +88,40 @@ private:
     bool handed_over_ = false;                        ///< the last step's velocities at the ends of segments are handed over
     bool follows_ = false;                            ///< the same when the present step began
     mutable Losses losses_ = Losses::none;
+};
+
+/// The part of the step outside friction: the middle of the step, where contacts and all other forces are taken, by extrapolation, and its
+/// end; and data of the step before: its mean acceleration, the motion of the sheaves in its middle, its length.
+class LeapfrogFrame {
+public:
+    /// Slots of the workspace that it uses.
+    static constexpr int state_slots = 2, slope_slots = 3;
+
+    explicit LeapfrogFrame(Workspace& workspace) : w_(workspace) {}
+
+    /// Forgets the previous step.
+    void restart() noexcept;
+    /// Whether there is a step before the one that begins.
+    [[nodiscard]] bool continues() const noexcept { return continues_; }
+    /// Data of the step before become history; workspace.step.row for the middle of the step, and the sheaves there.
+    void begin();
+    /// Pulleys, from what the chain does to them; workspace.step.row for the result, whose links are in state slot 1.
+    void end(const model::SheaveForces& chain);
+
+    [[nodiscard]] const model::ContactDrift& drift() const noexcept { return drift_; }
+
+    void save(std::vector<double>& memory) const;
+    /// @param memory from save()   @return the rest of the memory
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
+
+private:
+    void extrapolate();
+
+    Workspace& w_;
+    bool continues_ = false;  ///< whether a step precedes the present one
+    double length_ = 0.0;     ///< length of the present step [s]
+    alignas(model::cache_line) model::ContactDrift drift_;
+    model::SheaveMotion sheaves_before_[4]{};
 };
 
 /// Passes of a step, taken by cycles of the graph: of three as long as they fill one, then of one.
