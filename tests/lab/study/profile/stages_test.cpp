@@ -71,7 +71,7 @@ TEST(Stages, AreNamedByTheTasks) {
                 ElementsAre("enter", "combine", "contact forces", "chain forces", "boundary pins", "Cholesky", "observe", "transition",
                             "controller", "wait", "exit"));
     EXPECT_THAT(names({scene, "leapfrog-sweep", {}}), ElementsAre("enter", "all forces (fused)", "transition", "observe", "record",
-                                                                  "friction", "finish", "controller", "wait", "exit"));
+                                                                  "friction", "book", "controller", "wait", "exit"));
     EXPECT_THAT(names({scene, "trapezoidal-full", {Assembly::staged}}),
                 testing::AllOf(testing::Contains("Cholesky"), testing::Contains("jacobian"), testing::Contains("backward")));
 }
