@@ -338,19 +338,17 @@ class Check(Program):
                  "rigid (lumped plates, rigid pins, elastic pulleys)")
 
     def test_reports_up_to_where_a_settled_scene_is_stable(self):
-        self.matches(self.out("check control --step '4 us'"),
-                     r"\n  stable to +3\.[0-9]* us \(oscillation of .* kHz\); run.step exceeds this limit\n")
-        for step in ("2.8 us", "auto"):
+        self.matches(self.out("check control --step '3.2 us'"),
+                     r"\n  stable to +2\.[0-9]* us \(oscillation of .* kHz with its damping\); run.step exceeds this limit\n")
+        for step in ("2.5 us", "auto"):
             self.lacks(self.out(f"check control --step '{step}'"), " exceeds this limit")
         if LAB.exists():
             self.matches(self.out("cvtflow-lab check control --method trapezoidal-once"), "\n  stable to +linear stability sets no limit\n")
 
     def test_a_run_reports_where_the_automatic_step_does_not_hold(self):
-        """Tips brake the spin of sheaves by impulses that a leapfrog takes from the step's start; damping of tips is explicit as well.
-        Neither is in the test equation that automatic steps come from, both are in the linearised step."""
-        for setting in ("pulley.sheave_polar_inertia=1.5e-4", "tip.reference_depth=1e-7"):
-            self.has(self.err(f"run baseline --set {setting} --until '2 ms' -q -o none", 6),
-                     'run.step = "auto" is too long here; use ')
+        """Friction that saturates at a thousandth of the usual speed, from a state that has settled with that."""
+        self.has(self.err("run baseline --set tip.saturation_speed=1e-5 --until '0.05 ms' -q -o none", 6),
+                 'run.step = "auto" is too long here; use ')
 
 
 if __name__ == "__main__":
