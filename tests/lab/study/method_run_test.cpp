@@ -43,7 +43,7 @@ void expect_same(const std::string& method, const std::string& step, double seco
 
 TEST(MethodRun, IsTheRunOfASimulationBitByBit) { expect_same("rk4", "50ns", 50e-9); }
 
-TEST(MethodRun, TakesAutomaticStepsBitByBitAsASimulationDoes) { expect_same("leapfrog-rkc", "auto", 0.0); }
+TEST(MethodRun, TakesAutomaticStepsBitByBitAsASimulationDoes) { expect_same("leapfrog-sweep", "auto", 0.0); }
 
 TEST(MethodRun, BeginsAgain) {
     MethodRun run(brief_scene().parameters, "dumka3-p3");
