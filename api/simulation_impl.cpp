@@ -9,8 +9,7 @@
 #include "tasks/scene/units.hpp"
 #include "tasks/schedule/schedule.hpp"
 
-namespace cvtflow {
-namespace api {
+namespace cvtflow::api {
 
 namespace {
 
@@ -24,6 +23,20 @@ template <class Function>
 [[nodiscard]] long next_output(double now, double interval) { return static_cast<long>(std::floor(now / interval + 1e-9)) + 1; }
 
 }  // namespace
+
+const model::StartState& SceneData::placed_start() const {
+    return mutex_.guard([this]() -> const model::StartState& {
+        if (!placed_start_) placed_start_ = model::start_state(scene.parameters);
+        return *placed_start_;
+    });
+}
+
+std::uint64_t SceneData::fingerprint() const {
+    return mutex_.guard([this] {
+        if (!fingerprint_) fingerprint_ = api::fingerprint(scene);
+        return *fingerprint_;
+    });
+}
 
 ChannelReader::ChannelReader(const tasks::Simulation& simulation, const tasks::Scene& scene)
     : simulation_(simulation), followed_pin_(scene.run.followed_pin), observer_(simulation.workspace().variator) {
@@ -62,7 +75,7 @@ std::span<const double> ChannelReader::read(std::size_t index) {
     return values_[index];
 }
 
-void HostCallbacks::on_output(double now, double interval, std::function<void(Simulation&)> callback) {
+void HostCallbacks::on_output(double now, double interval, std::function<void()> callback) {
     if (callback && !(interval > 0.0 && std::isfinite(interval)))
         throw Error(ErrorCode::argument, "on_output: the interval must be positive");
     output_ = shared(std::move(callback));
@@ -70,9 +83,7 @@ void HostCallbacks::on_output(double now, double interval, std::function<void(Si
     if (output_) outputs_ = next_output(now, interval_);
 }
 
-void HostCallbacks::on_transition(std::function<void(Simulation&, const Transition&)> callback) {
-    transition_ = shared(std::move(callback));
-}
+void HostCallbacks::on_transition(std::function<void(const cvtflow_transition&)> callback) { transition_ = shared(std::move(callback)); }
 
 void HostCallbacks::restart(double now) {
     transitions_.clear();
@@ -82,7 +93,8 @@ void HostCallbacks::restart(double now) {
 
 void HostCallbacks::transition(const tasks::TransitionRecord& record) {
     if (recorder != nullptr) recorder->transition(record);
-    const Transition now{record.time, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to)};
+    const cvtflow_transition now{sizeof now, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to),
+                                 0,          record.time};
     if (transition_) transitions_.push_back(now);
     if (pulls_) pulled_.push_back(now);
 }
@@ -95,21 +107,21 @@ double HostCallbacks::next_stop(double now, double until) const noexcept {
 }
 
 /// The host's callbacks may replace themselves, so they are held while they are called.
-void HostCallbacks::deliver(Simulation& self, double now, const bool& abandoned, FloatingDefaults& defaults) {
+void HostCallbacks::deliver(double now, FloatingDefaults& defaults) {
     happened_.clear();
     std::swap(happened_, transitions_);
-    for (const Transition& transition : happened_) {
+    for (const cvtflow_transition& transition : happened_) {
         const auto callback = transition_;
-        if (!callback || abandoned) continue;
+        if (!callback) continue;
         const FloatingDefaults::Outside outside(defaults);
-        (*callback)(self, transition);
+        (*callback)(transition);
     }
     now += 1e-9 * scene_interval_;
-    if (!output_ || abandoned || now < static_cast<double>(outputs_) * interval_) return;
+    if (!output_ || now < static_cast<double>(outputs_) * interval_) return;
     outputs_ = static_cast<long>(std::floor(now / interval_)) + 1;
     const auto callback = output_;
     const FloatingDefaults::Outside outside(defaults);
-    (*callback)(self);
+    (*callback)();
 }
 
 void require_threads(int count, int min) {
@@ -124,16 +136,12 @@ double step_length(const tasks::Simulation& simulation, const tasks::Scene& scen
     return interval / std::max(1.0, std::ceil(interval / scene.run.step * (1.0 - 1e-12)));
 }
 
-}  // namespace api
-
-inline namespace v0 {
-
 namespace {
 
 /// Schedule of a simulation: one thread needs no executor but the plain loop.
 [[nodiscard]] tasks::Schedule schedule_of(const tasks::Scene& scene, Threads threads, int segments) {
     const int links = tasks::max_segments(scene.parameters);
-    api::require_threads(threads.count(), threads.way() == Threads::Way::private_arena ? 0 : 1);
+    require_threads(threads.count(), threads.way() == Threads::Way::private_arena ? 0 : 1);
     if (segments < 0 || segments > links) {
         throw Error(ErrorCode::argument, "segments: " + std::to_string(segments) + " is outside [0, " + std::to_string(links) +
                                              (links == 1 ? "]: rigid pins are evaluated at once" : "], the links of this chain"));
@@ -160,40 +168,31 @@ namespace {
 
 }  // namespace
 
-Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments, const model::StartState* start)
-    : scene_(scene),
+HostSimulation::HostSimulation(std::shared_ptr<const SceneData> scene, Threads threads, int segments, const model::StartState* start)
+    : scene_(std::move(scene)),
       threads_(threads),
       segments_(segments),
-      schedule_(schedule_of(data(), threads, segments)),
-      simulation_(data(), schedule_, nullptr, start == nullptr && data().state_file.empty() ? &scene_.data_->placed_start() : start),
-      channels_(simulation_, data()),
-      callbacks_(data().run.output_interval),
+      schedule_(schedule_of(scene_->scene, threads, segments)),
+      simulation_(scene_->scene, schedule_, nullptr,
+                  start == nullptr && scene_->scene.state_file.empty() ? &scene_->placed_start() : start),
+      channels_(simulation_, scene_->scene),
+      callbacks_(scene_->scene.run.output_interval),
       start_differences_(simulation_.start_differences()) {}
 
-Simulation::Impl::Scope::Scope(Impl& impl, As as) : impl_(impl), entered_(impl.entry_.enter()) {
+HostSimulation::Scope::Scope(HostSimulation& of, As as) : of_(of), entered_(of.entry_.enter()) {
     if (entered_) return;
-    const bool callback = impl.entry_.mine();
+    const bool callback = of.entry_.mine();
     if (callback && as == As::visitor) return;
     throw Error(ErrorCode::busy, callback ? "a simulation cannot be stepped or replaced from its own callback"
                                           : "the simulation is in use by another thread");
 }
 
-Simulation::Impl::Scope::~Scope() {
-    if (!entered_) return;
-    const bool ended = impl_.ended_;
-    impl_.entry_.leave();
-    if (ended) delete &impl_;
-}
-
-void Simulation::Impl::end(std::unique_ptr<Impl> impl) noexcept {
-    if (impl && impl->entry_.mine()) {
-        impl->abandoned_ = impl->ended_ = true;
-        static_cast<void>(impl.release());
-    }
+HostSimulation::Scope::~Scope() {
+    if (entered_) of_.entry_.leave();
 }
 
 /// A process that was forked off after the first threaded step has the memory but not the threads.
-void Simulation::Impl::require_own_process() {
+void HostSimulation::require_own_process() {
     if (schedule_.threads == 1) return;
     const long here = engine::process_number();
     if (process_ == 0) process_ = here;
@@ -203,14 +202,13 @@ void Simulation::Impl::require_own_process() {
     }
 }
 
-void Simulation::Impl::advance(Simulation& self, double until, long steps) {
+void HostSimulation::advance(double until, long steps) {
     if (!std::isfinite(until)) throw Error(ErrorCode::argument, "time: not a finite number");
-    api::FloatingDefaults defaults;
+    FloatingDefaults defaults;
     const Scope scope(*this, Scope::As::stepper);
-    abandoned_ = false;
     // A step may end after the requested time; requesting the same time again is allowed.
-    const double now = simulation_.time(), tolerance = 1e-9 * data().run.output_interval;
-    if (until < now && until < std::min(last_stop_, now - api::step_length(simulation_, data())) - tolerance) {
+    const double now = simulation_.time(), tolerance = 1e-9 * scene().run.output_interval;
+    if (until < now && until < std::min(last_stop_, now - step_length(simulation_, scene())) - tolerance) {
         throw Error(ErrorCode::argument, "time: " + tasks::number_text(until) + " s is before " + tasks::number_text(now) +
                                              " s, the present time; to go back, set a state");
     }
@@ -220,36 +218,62 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
         if (cancel_.withdraw()) throw Error(ErrorCode::cancelled, "cancelled");
         const long steps_before = simulation_.part().counters().steps;
         channels_.changed();
-        const tasks::Fault fault = api::translated(ErrorCode::internal, [&] {
+        const tasks::Fault fault = translated(ErrorCode::internal, [&] {
             return simulation_.advance({.until = callbacks_.next_stop(simulation_.time(), until), .steps = steps}, callbacks_, cancel_);
         });
-        callbacks_.deliver(self, simulation_.time(), abandoned_, defaults);
-        if (abandoned_) throw Error(ErrorCode::cancelled, "the simulation was destroyed or moved by its own callback");
+        callbacks_.deliver(simulation_.time(), defaults);
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
         if (steps > 0 && (simulation_.part().counters().steps != steps_before || !fault)) return;
-        if (fault) throw Error(api::code_of(fault), fault.message() + advice(simulation_, fault.kind));
+        if (fault) throw Error(code_of(fault), fault.message() + advice(simulation_, fault.kind));
     }
 }
 
-std::unique_ptr<Simulation::Impl> Simulation::Impl::copy() {
+std::unique_ptr<HostSimulation> HostSimulation::copy() {
     const Scope scope(*this, Scope::As::visitor);
     const tasks::IntegrationState& now = simulation_.integration_state();
     const model::StartState start{now.state, now.phases, {}, 0.0};
-    auto other = std::make_unique<Impl>(scene_, threads_, segments_, &start);
-    other->restore({scene_.data_->fingerprint(), simulation_.workspace().variator.pulleys().torques().held(), now});
+    auto other = std::make_unique<HostSimulation>(scene_, threads_, segments_, &start);
+    other->restore({scene_->fingerprint(), simulation_.workspace().variator.pulleys().torques().held(), now});
     other->start_differences_ = start_differences_;
     return other;
 }
 
-void Simulation::Impl::restore(api::StateRecord record) {
+std::vector<std::byte> HostSimulation::state() {
+    const Scope scope(*this, Scope::As::visitor);
+    return write_state_bytes(scene_->fingerprint(), simulation_.workspace().variator.pulleys().torques().held(),
+                             simulation_.integration_state());
+}
+
+void HostSimulation::rhs(double t, const double* x, double* out) {
+    const Scope scope(*this, Scope::As::visitor);
+    const tasks::Workspace& workspace = simulation_.workspace();
+    if (!slope_) slope_.emplace(workspace.variator, workspace.rule);
+    (*slope_)(t, x, out);
+}
+
+void HostSimulation::hold(const model::HeldInputs& held) {
+    simulation_.hold(held);
+    channels_.changed();
+}
+
+std::vector<std::string> HostSimulation::notices() const {
+    std::vector<std::string> lines = start_differences_;
+    const double ratio = simulation_.balance_error_ratio();
+    if (!(ratio <= 1.0)) lines.push_back(tasks::unreliable_text(ratio, scene().run.step, simulation_.step()));
+    const engine::ThreadShortage threads = engine::thread_shortage();
+    if (threads.requested > 0)
+        lines.push_back("threads: available " + std::to_string(threads.had) + " of " + std::to_string(threads.requested));
+    return lines;
+}
+
+void HostSimulation::restore(StateRecord record) {
     const Scope scope(*this, Scope::As::stepper);
-    if (record.fingerprint != scene_.data_->fingerprint())
+    if (record.fingerprint != scene_->fingerprint())
         throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");
-    api::translated(ErrorCode::state, [&] { simulation_.restore(std::move(record.integration), &record.held); });
+    translated(ErrorCode::state, [&] { simulation_.restore(std::move(record.integration), &record.held); });
     channels_.changed();
     last_stop_ = std::numeric_limits<double>::infinity();
     callbacks_.restart(simulation_.time());
 }
 
-}  // namespace v0
-}  // namespace cvtflow
+}  // namespace cvtflow::api

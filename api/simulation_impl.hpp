@@ -1,10 +1,18 @@
 #pragma once
-/// Implementation of the public Scene and Simulation. Internal to api.
+/// Scenes and simulations behind the handles of the C interface. Internal to api.
 
+#include <cvtflow/cvtflow.h>
 #include <cstdint>
-#include <cvtflow/simulation.hpp>
+#include <cvtflow/error.hpp>
+#include <cvtflow/threads.hpp>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "api/host/entry.hpp"
 #include "api/host/state_bytes.hpp"
@@ -17,9 +25,24 @@
 #include "tasks/scene/scene.hpp"
 #include "tasks/step/integration_state.hpp"
 
-namespace cvtflow {
+namespace cvtflow::api {
 
-namespace api {
+/// A scene, and what its simulations share.
+struct SceneData {
+    explicit SceneData(tasks::Scene from) : scene(std::move(from)) {}
+
+    const tasks::Scene scene;
+
+    /// Geometric start of its simulations, placed by the first one. @throws as model::start_state
+    [[nodiscard]] const model::StartState& placed_start() const;
+    /// fingerprint() of the scene, computed once.
+    [[nodiscard]] std::uint64_t fingerprint() const;
+
+private:
+    mutable engine::Mutex mutex_;
+    mutable std::optional<model::StartState> placed_start_;
+    mutable std::optional<std::uint64_t> fingerprint_;
+};
 
 /// The channels that a simulation's machine has, and their present values.
 class ChannelReader {
@@ -52,14 +75,14 @@ public:
     explicit HostCallbacks(double interval) : scene_interval_(interval) {}
 
     /// Times are present ones. An empty function removes the one before. now, interval [s]
-    void on_output(double now, double interval, std::function<void(Simulation&)> callback);
-    void on_transition(std::function<void(Simulation&, const Transition&)> callback);
+    void on_output(double now, double interval, std::function<void()> callback);
+    void on_transition(std::function<void(const cvtflow_transition&)> callback);
     /// The simulation has another state. now [s]
     void restart(double now);
     /// Time at which something may be due, at most `until`. now, until [s]
     [[nodiscard]] double next_stop(double now, double until) const noexcept;
-    /// Calls back what has come due, in the host's floating-point environment; no further once a callback has set `abandoned`. now [s]
-    void deliver(Simulation& self, double now, const bool& abandoned, FloatingDefaults& defaults);
+    /// Calls back what has come due, in the host's floating-point environment. now [s]
+    void deliver(double now, FloatingDefaults& defaults);
 
     void output(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
         if (recorder != nullptr) recorder->output(time, workspace, counters);
@@ -70,7 +93,7 @@ public:
     }
     void transition(const tasks::TransitionRecord& record) override;
     /// Transitions since forget_pulled(). @param collects whether they are collected from now on
-    [[nodiscard]] const std::vector<Transition>& pull(bool collects) {
+    [[nodiscard]] const std::vector<cvtflow_transition>& pull(bool collects) {
         pulls_ = collects;
         if (!collects) pulled_.clear();
         return pulled_;
@@ -80,15 +103,15 @@ public:
     tasks::RunObserver* recorder = nullptr;
 
 private:
-    const double scene_interval_;                                     ///< [s]
-    std::shared_ptr<const std::function<void(Simulation&)>> output_;  ///< shared: a callback may replace itself
-    double interval_ = 0.0;                                           ///< [s]
-    long outputs_ = 0;                                                ///< the next one is due at outputs_ * interval_
-    std::shared_ptr<const std::function<void(Simulation&, const Transition&)>> transition_;
-    std::vector<Transition> transitions_;  ///< transitions not delivered yet
-    std::vector<Transition> happened_;     ///< transitions in delivery
-    std::vector<Transition> pulled_;       ///< transitions that the host has not asked for yet
-    bool pulls_ = false;                   ///< the host asks for transitions
+    const double scene_interval_;                          ///< [s]
+    std::shared_ptr<const std::function<void()>> output_;  ///< shared: a callback may replace itself
+    double interval_ = 0.0;                                ///< [s]
+    long outputs_ = 0;                                     ///< the next one is due at outputs_ * interval_
+    std::shared_ptr<const std::function<void(const cvtflow_transition&)>> transition_;
+    std::vector<cvtflow_transition> transitions_;  ///< transitions not delivered yet
+    std::vector<cvtflow_transition> happened_;     ///< transitions in delivery
+    std::vector<cvtflow_transition> pulled_;       ///< transitions that the host has not asked for yet
+    bool pulls_ = false;                           ///< the host asks for transitions
 };
 
 /// @throws Error (argument) for a number of threads below min or above 1024
@@ -97,88 +120,79 @@ void require_threads(int count, int min);
 /// Length of a step without transitions [s].
 [[nodiscard]] double step_length(const tasks::Simulation& simulation, const tasks::Scene& scene);
 
-}  // namespace api
-
-inline namespace v0 {
-
-struct Scene::Data {
-    explicit Data(tasks::Scene from) : scene(std::move(from)) {}
-
-    const tasks::Scene scene;
-
-    /// Geometric start of its simulations, placed by the first one. @throws as model::start_state
-    [[nodiscard]] const model::StartState& placed_start() const;
-    /// api::fingerprint() of the scene, computed once.
-    [[nodiscard]] std::uint64_t fingerprint() const;
-
-private:
-    mutable engine::Mutex mutex_;
-    mutable std::optional<model::StartState> placed_start_;
-    mutable std::optional<std::uint64_t> fingerprint_;
-};
-
-class Simulation::Impl final {
+/// A simulation of a host: alone, or on threads; calls of one thread at a time.
+class HostSimulation final {
 public:
     /// @param start replaces the start of the scene; nullptr: none
-    Impl(const Scene& scene, Threads threads, int segments, const model::StartState* start = nullptr);
+    HostSimulation(std::shared_ptr<const SceneData> scene, Threads threads, int segments, const model::StartState* start = nullptr);
 
     /// A stay inside the simulation: alone, or (for what callbacks may do) as the thread that is inside already.
     class Scope {
     public:
         enum class As { stepper, visitor };
-        Scope(Impl& impl, As as);
+        Scope(HostSimulation& of, As as);
         ~Scope();
         Scope(const Scope&) = delete;
         Scope& operator=(const Scope&) = delete;
 
     private:
-        Impl& impl_;
+        HostSimulation& of_;
         bool entered_;
     };
     /// Result of `action` as a visitor, translated as by entered().
     template <class Action>
     decltype(auto) visited(Action&& action) {
-        return api::entered(ErrorCode::internal, [&]() -> decltype(auto) {
+        return entered(ErrorCode::internal, [&]() -> decltype(auto) {
             const Scope scope(*this, Scope::As::visitor);
             return action();
         });
     }
 
-    /// Frees a simulation, or leaves that to the call under way if its callback does this.
-    static void end(std::unique_ptr<Impl> impl) noexcept;
-    /// Notes that the object was moved.
-    void moved() noexcept { abandoned_ |= entry_.mine(); }
-    [[nodiscard]] std::unique_ptr<Impl> copy();
-    void advance(Simulation& self, double until, long steps);  ///< until [s]
-    void restore(api::StateRecord record);
-    [[nodiscard]] api::ChannelReader& channels() noexcept { return channels_; }
-    [[nodiscard]] api::HostCallbacks& callbacks() noexcept { return callbacks_; }
+    /// One in the same state, without the callbacks.
+    [[nodiscard]] std::unique_ptr<HostSimulation> copy();
+    void advance(double until, long steps);  ///< until [s]
+    void cancel() noexcept { cancel_.request(); }
+    [[nodiscard]] std::vector<std::byte> state();
+    void restore(StateRecord record);
+    /// Slope at (t [s], x), of the unknowns.
+    void rhs(double t, const double* x, double* out);
+    void hold(const model::HeldInputs& held);
+    [[nodiscard]] std::vector<std::string> notices() const;
+    [[nodiscard]] ChannelReader& channels() noexcept { return channels_; }
+    [[nodiscard]] HostCallbacks& callbacks() noexcept { return callbacks_; }
+    [[nodiscard]] const ChannelReader& channels() const noexcept { return channels_; }
 
-    [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
+    [[nodiscard]] const tasks::Scene& scene() const noexcept { return scene_->scene; }
     [[nodiscard]] const tasks::Simulation& simulation() const noexcept { return simulation_; }
+    [[nodiscard]] std::size_t size() const noexcept { return static_cast<std::size_t>(simulation_.workspace().layout().size()); }
 
 private:
-    friend class Simulation;
-
-    [[nodiscard]] const tasks::Scene& data() const noexcept { return scene_.data_->scene; }
     void require_own_process();
 
-    Scene scene_;
+    std::shared_ptr<const SceneData> scene_;
     Threads threads_;
     int segments_;
     tasks::Schedule schedule_;
     tasks::Simulation simulation_;
     std::optional<tasks::PlainSlope> slope_;  ///< slope for rhs(), from its first call on
-    api::ChannelReader channels_;
-    api::HostCallbacks callbacks_;
+    ChannelReader channels_;
+    HostCallbacks callbacks_;
     std::vector<std::string> start_differences_;  ///< tasks::Simulation::start_differences() at the start of this one or what it copies
     engine::ReentryGuard entry_;
     engine::Cancellation cancel_;
-    bool abandoned_ = false;                                      ///< the object that calls back was destroyed or moved by its callback
-    bool ended_ = false;                                          ///< the call under way frees this
     double last_stop_ = std::numeric_limits<double>::infinity();  ///< goal of the last advance(); infinity: one step, or none yet [s]
     long process_ = 0;                                            ///< process in which it first ran on threads; 0: none yet
 };
 
-}  // namespace v0
-}  // namespace cvtflow
+/// Name, unit and meaning of an input; all live as long as the library is loaded and end in 0.
+struct InputText {
+    std::string_view name, unit, description;
+};
+/// @throws Error (argument) for a number that is no input
+[[nodiscard]] InputText input_text(int input);
+/// value [unit of the input] @throws Error (argument, busy)
+void set_input(HostSimulation& simulation, int input, double value);
+/// [unit of the input] @throws Error (argument)
+[[nodiscard]] double input(const HostSimulation& simulation, int input);
+
+}  // namespace cvtflow::api

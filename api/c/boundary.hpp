@@ -1,9 +1,8 @@
 #pragma once
-/// Boundary of C and C++: handles, and a wall that no exception passes. Internal to api.
+/// Boundary of C: handles, and a wall that no exception passes. Internal to api.
 
 #include <cvtflow/cvtflow.h>
 
-#include <cvtflow/simulation.hpp>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -11,21 +10,22 @@
 #include <vector>
 
 #include "api/host/entry.hpp"
+#include "api/simulation_impl.hpp"
 #include "engine/thread/guards.hpp"
 
 struct cvtflow_scene {
-    cvtflow::Scene scene;
+    std::shared_ptr<const cvtflow::api::SceneData> data;
+
+    [[nodiscard]] const cvtflow::tasks::Scene& scene() const noexcept { return data->scene; }
 };
 
 struct cvtflow_simulation {
-    cvtflow::Simulation simulation;
+    std::unique_ptr<cvtflow::api::HostSimulation> simulation;
     cvtflow_log_function log = nullptr;
     void* log_user = nullptr;
-    std::vector<std::string> logged{};  ///< notices that the log has seen
-    cvtflow::engine::LifeCount life{};  ///< count of the owner and of calls that may call back
-    std::shared_ptr<void> recording{};  ///< a Recording, of which the core library knows nothing; ends before the simulation
-
-    [[nodiscard]] cvtflow::Simulation::Impl& impl() const noexcept { return *simulation.impl_; }
+    std::vector<std::string> logged{};                         ///< notices that the log has seen
+    cvtflow::engine::LifeCount life{};                         ///< count of the owner and of calls that may call back
+    std::shared_ptr<cvtflow::tasks::RunObserver> recording{};  ///< of which the core library knows nothing; ends before the simulation
 };
 
 namespace cvtflow::api {
@@ -45,15 +45,21 @@ void give_text(const std::string& whole, char* text, std::size_t* size);
 /// Translates the exception in flight. @return its code
 cvtflow_code say_exception(cvtflow_message* message) noexcept;
 
-/// Runs `action`; whatever it throws becomes a code and a message.
+/// Runs `action`, in the host's floating-point environment; whatever it throws becomes a code and a message.
 template <class Action>
-cvtflow_code guarded(cvtflow_message* message, Action&& action) noexcept {
+cvtflow_code caught(cvtflow_message* message, Action&& action) noexcept {
     try {
         action();
         return say(message, ErrorCode::none, "");
     } catch (...) {
         return say_exception(message);
     }
+}
+
+/// Runs `action` in the default environment, with enough stack. @param otherwise code of exceptions that are no Error
+template <class Action>
+cvtflow_code guarded(cvtflow_message* message, Action&& action, ErrorCode otherwise = ErrorCode::internal) noexcept {
+    return caught(message, [&] { entered(otherwise, action); });
 }
 
 /// Fills a versioned struct of the caller's, which begins with its size. @throws Error (argument) for NULL, or a size that no version has
@@ -67,5 +73,8 @@ void fill_versioned(Struct* callers, const char* name, std::type_identity_t<Stru
     ours.size = theirs.size;
     theirs = ours;
 }
+
+/// The simulation behind a handle. @throws Error (argument) for NULL
+[[nodiscard]] inline HostSimulation& of(const cvtflow_simulation* simulation) { return *given(simulation, "simulation").simulation; }
 
 }  // namespace cvtflow::api

@@ -26,7 +26,7 @@ using Json = nlohmann::ordered_json;
 [[nodiscard]] Json codes() {
     Json rows = Json::array();
     for (int code = 1; code <= last_code; ++code) {
-        const std::string name = error_name(static_cast<ErrorCode>(code));
+        const std::string name = code_name(static_cast<ErrorCode>(code));
         if (name != "unknown") rows.push_back({{"code", code}, {"name", name}, {"fault", code >= CVTFLOW_NON_FINITE}});
     }
     return rows;
@@ -45,7 +45,7 @@ constexpr std::string_view kind_names[] = {"number", "automatic",   "integer",  
 /// Version and commit of the library.
 [[nodiscard]] Json build() {
     const engine::Provenance here = engine::current_provenance();
-    return {{"version", here.version}, {"commit", here.commit}, {"date", here.commit_date}};
+    return {{"version", cvtflow_version()}, {"commit", here.commit}, {"date", here.commit_date}};
 }
 
 /// A value as TOML is JSON as well.
@@ -86,7 +86,7 @@ constexpr std::string_view kind_names[] = {"number", "automatic",   "integer",  
 [[nodiscard]] Json inputs() {
     Json rows = Json::array();
     for (int number = 0; number <= CVTFLOW_PRESSURE_DRIVEN; ++number) {
-        const InputInfo row = input_info(static_cast<Input>(number));
+        const InputText row = input_text(number);
         rows.push_back({{"name", row.name}, {"unit", row.unit}, {"text", row.description}});
     }
     return rows;

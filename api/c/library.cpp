@@ -2,22 +2,21 @@
 
 #include <algorithm>
 #include <cstring>
-#include <cvtflow/version.hpp>
 #include <new>
+#include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "api/c/boundary.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/ready_scenes.hpp"
+#include "tasks/scene/units.hpp"
 
 /// Version of the library that these objects are linked to (api/CMakeLists.txt).
 extern const char* const cvtflow_version_text;
 
 namespace cvtflow {
-inline namespace v0 {
-
-std::string library_version() { return cvtflow_version_text; }
-
-}  // namespace v0
 
 namespace api {
 
@@ -61,58 +60,99 @@ void give_text(const std::string& whole, char* text, std::size_t* size) {
 
 using namespace cvtflow;
 
+namespace {
+
+/// A new handle of a scene that `make` returns.
+template <class Make>
+cvtflow_code scene_by(cvtflow_scene** scene, cvtflow_message* message, Make&& make) {
+    const auto action = [&] {
+        cvtflow_scene*& place = api::given(scene, "scene");
+        place = new cvtflow_scene{std::make_shared<const api::SceneData>(make())};
+    };
+    return api::guarded(message, action, ErrorCode::scene);
+}
+
+/// Values that a scene and its state file must have in common, as text.
+[[nodiscard]] std::string resolution(const tasks::Scene& scene) {
+    std::string text;
+    for (const std::string_view key : tasks::state_keys()) text += tasks::value_text(*tasks::find_parameter(key), scene) + " ";
+    return text;
+}
+
+[[nodiscard]] double quantity(const std::string& text, const std::string& unit) {
+    const auto parsed = tasks::parse_quantity(text);
+    if (const auto* wrong = std::get_if<std::string>(&parsed)) throw Error(ErrorCode::argument, "\"" + text + "\" " + *wrong);
+    const auto& read = std::get<tasks::Quantity>(parsed);
+    const tasks::Dimension expected = tasks::dimension_of(unit);
+    const std::string expectation = ", expected " + std::string(tasks::dimension_name(expected)) + (unit == "1" ? "" : " (" + unit + ")");
+    if (!read.has_unit && unit != "1") throw Error(ErrorCode::argument, "\"" + text + "\" has no unit" + expectation);
+    if (read.dimension == expected) return read.value;
+    const std::string name(tasks::dimension_name(read.dimension));
+    throw Error(ErrorCode::argument, "\"" + text + "\" " + (name.empty() ? "has another dimension" : "is " + name) + expectation);
+}
+
+}  // namespace
+
 extern "C" {
 
 const char* cvtflow_version(void) { return cvtflow_version_text; }
-const char* cvtflow_code_name(int32_t code) { return error_name(static_cast<ErrorCode>(code)); }
+const char* cvtflow_code_name(int32_t code) { return api::code_name(static_cast<ErrorCode>(code)); }
 
 cvtflow_code cvtflow_describe(const char* what, char* text, size_t* size, cvtflow_message* message) {
     return api::guarded(message, [&] { api::give_text(api::description(what != nullptr ? what : ""), text, size); });
 }
 
 cvtflow_code cvtflow_quantity(const char* text, const char* unit, double* value, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::given(value, "value") = quantity(&api::given(text, "text"), &api::given(unit, "unit")); });
+    const auto action = [&] { api::given(value, "value") = quantity(&api::given(text, "text"), &api::given(unit, "unit")); };
+    return api::guarded(message, action, ErrorCode::argument);
 }
 
 cvtflow_code cvtflow_scene_read(const char* path, cvtflow_scene** scene, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::given(scene, "scene") = new cvtflow_scene{Scene::read(&api::given(path, "path"))}; });
+    return scene_by(scene, message, [&] { return tasks::read_scene(&api::given(path, "path")); });
 }
 
 cvtflow_code cvtflow_scene_parse(const char* text, const char* name, cvtflow_scene** scene, cvtflow_message* message) {
-    return api::guarded(message, [&] {
-        api::given(scene, "scene") = new cvtflow_scene{Scene::parse(&api::given(text, "text"), name != nullptr ? name : "scene.toml")};
-    });
+    return scene_by(scene, message, [&] { return tasks::parse_scene(&api::given(text, "text"), name != nullptr ? name : "scene.toml"); });
 }
 
 cvtflow_code cvtflow_scene_ready(const char* name, cvtflow_scene** scene, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::given(scene, "scene") = new cvtflow_scene{Scene::ready(&api::given(name, "name"))}; });
+    return scene_by(scene, message, [&] { return tasks::read_ready_scene(&api::given(name, "name")); });
 }
 
 cvtflow_code cvtflow_scene_with(const cvtflow_scene* scene, const char* const* settings, size_t count, cvtflow_scene** changed,
                                 cvtflow_message* message) {
-    return api::guarded(message, [&] {
+    return scene_by(changed, message, [&] {
         std::vector<std::string> texts;
-        if (count > 0) static_cast<void>(api::given(settings, "settings"));
-        for (size_t k = 0; k < count; ++k) texts.emplace_back(&api::given(settings[k], "a setting"));
-        api::given(changed, "changed") = new cvtflow_scene{api::given(scene, "scene").scene.with(texts)};
+        for (const char* const setting : api::given(settings, count, "settings")) texts.emplace_back(&api::given(setting, "a setting"));
+        tasks::Scene made = api::given(scene, "scene").scene();
+        tasks::set_values(made, texts, "");
+        return made;
     });
 }
 
 cvtflow_code cvtflow_scene_with_detail(const cvtflow_scene* scene, const char* preset, cvtflow_scene** changed, cvtflow_message* message) {
-    return api::guarded(message, [&] {
-        api::given(changed, "changed") = new cvtflow_scene{api::given(scene, "scene").scene.with_detail(&api::given(preset, "preset"))};
+    return scene_by(changed, message, [&] {
+        const tasks::Scene& before = api::given(scene, "scene").scene();
+        tasks::Scene made = before;
+        tasks::apply_detail(made, &api::given(preset, "preset"));
+        if (resolution(made) != resolution(before)) made.state_file.clear();
+        return made;
     });
 }
 
 cvtflow_code cvtflow_scene_text(const cvtflow_scene* scene, char* text, size_t* size, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::give_text(api::given(scene, "scene").scene.text(), text, size); });
+    return api::guarded(message, [&] { api::give_text(tasks::write_scene(api::given(scene, "scene").scene()), text, size); });
 }
 
 cvtflow_code cvtflow_scene_value(const cvtflow_scene* scene, const char* key, char* text, size_t* size, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::give_text(api::given(scene, "scene").scene.value(&api::given(key, "key")), text, size); });
+    return api::guarded(message, [&] {
+        const tasks::Parameter* parameter = tasks::find_parameter(&api::given(key, "key"));
+        if (parameter == nullptr) throw Error(ErrorCode::argument, "no key '" + std::string(key) + "'" + tasks::key_hint(key));
+        api::give_text(tasks::value_text(*parameter, api::given(scene, "scene").scene()), text, size);
+    });
 }
 
-const char* cvtflow_scene_name(const cvtflow_scene* scene) { return scene != nullptr ? scene->scene.name().c_str() : ""; }
+const char* cvtflow_scene_name(const cvtflow_scene* scene) { return scene != nullptr ? scene->scene().name.c_str() : ""; }
 void cvtflow_scene_release(cvtflow_scene* scene) { delete scene; }
 
 }  // extern "C"

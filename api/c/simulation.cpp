@@ -1,36 +1,33 @@
+/// The C interface to simulations.
+
 #include <algorithm>
 #include <cstring>
 #include <utility>
 
 #include "api/c/boundary.hpp"
-#include "api/simulation_impl.hpp"
 
 using namespace cvtflow;
 
 namespace {
 
-[[nodiscard]] Threads threads_of(const cvtflow_options* options) {
+[[nodiscard]] cvtflow::Threads threads_of(const cvtflow_options* options) {
     if (options == nullptr || options->way == CVTFLOW_CALLER) return Threads::caller();
     if (options->way == CVTFLOW_CURRENT_ARENA) return Threads::current_arena(options->threads);
     if (options->way == CVTFLOW_PRIVATE_ARENA) return Threads::private_arena(options->threads);
     throw Error(ErrorCode::argument, "way: there is no number " + std::to_string(options->way));
 }
 
-/// Runs `action` on the simulation behind a handle; whatever it throws becomes a code and a message.
-template <class Handle, class Action>
-cvtflow_code act(Handle* simulation, cvtflow_message* message, Action&& action) noexcept {
-    return api::guarded(message, [&] { action(api::given(simulation, "simulation").simulation); });
-}
-
 /// Answer to a question that cannot fail; `nothing` for NULL.
 template <class T, class Question>
 T ask(const cvtflow_simulation* simulation, T nothing, Question&& question) noexcept {
     try {
-        return simulation != nullptr ? question(simulation->simulation) : nothing;
+        return simulation != nullptr ? question(*simulation->simulation) : nothing;
     } catch (...) {
         return nothing;
     }
 }
+
+[[nodiscard]] const tasks::Counters& counters_of(const api::HostSimulation& s) { return s.simulation().part().counters(); }
 
 /// A call that may call the host back: a simulation that is destroyed meanwhile ends with the last of them.
 class Visit {
@@ -62,7 +59,7 @@ void log(const cvtflow_simulation& handle, const std::string& line) {
 
 void log_notices(cvtflow_simulation& handle) {
     if (handle.log == nullptr || handle.life.given_up()) return;
-    for (const std::string& line : handle.simulation.notices()) {
+    for (const std::string& line : handle.simulation->notices()) {
         if (std::find(handle.logged.begin(), handle.logged.end(), line) != handle.logged.end()) continue;
         handle.logged.push_back(line);
         log(handle, line);
@@ -74,7 +71,7 @@ template <class Action>
 void logged(cvtflow_simulation& handle, Action&& action) {
     const Visit visit(handle);
     try {
-        action(handle.simulation);
+        action(*handle.simulation);
     } catch (const std::exception& error) {
         log(handle, error.what());
         throw;
@@ -88,137 +85,159 @@ extern "C" {
 
 cvtflow_code cvtflow_create(const cvtflow_scene* scene, const cvtflow_options* options, cvtflow_simulation** simulation,
                             cvtflow_message* message) {
-    return api::guarded(message, [&] {
+    const auto action = [&] {
         if (options != nullptr && options->size < sizeof(cvtflow_options))
             throw Error(ErrorCode::argument, "options: its size is not set (CVTFLOW_INIT)");
-        api::given(simulation, "simulation") = new cvtflow_simulation{
-            Simulation(api::given(scene, "scene").scene, threads_of(options), options != nullptr ? options->segments : 0)};
-    });
+        cvtflow_simulation*& place = api::given(simulation, "simulation");
+        const int segments = options != nullptr ? options->segments : 0;
+        place =
+            new cvtflow_simulation{std::make_unique<api::HostSimulation>(api::given(scene, "scene").data, threads_of(options), segments)};
+    };
+    return api::guarded(message, action, ErrorCode::start_state);
 }
 
 cvtflow_code cvtflow_copy(const cvtflow_simulation* from, cvtflow_simulation** copy, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::given(copy, "copy") = new cvtflow_simulation{api::given(from, "from").simulation.copy()}; });
+    return api::guarded(message, [&] {
+        cvtflow_simulation*& place = api::given(copy, "copy");
+        place = new cvtflow_simulation{api::given(from, "from").simulation->copy()};
+    });
 }
 
 void cvtflow_destroy(cvtflow_simulation* simulation) {
     if (simulation == nullptr || !simulation->life.give_up()) return;
-    simulation->simulation.cancel();
+    const api::FloatingDefaults defaults;
+    simulation->simulation->cancel();
     Visit::leave(*simulation);
 }
 
 double cvtflow_time(const cvtflow_simulation* simulation) {
-    return ask(simulation, 0.0, [](const Simulation& s) { return s.time(); });
+    return ask(simulation, 0.0, [](const auto& s) { return s.simulation().time(); });
 }
 
 const char* cvtflow_method(const cvtflow_simulation* simulation) {
-    return ask(simulation, "", [](const Simulation& s) { return s.method().c_str(); });
+    return ask(simulation, "", [](const auto& s) { return s.simulation().method().name().c_str(); });
 }
 
 double cvtflow_step_length(const cvtflow_simulation* simulation) {
-    return ask(simulation, 0.0, [](const Simulation& s) { return s.step_length(); });
+    const api::FloatingDefaults defaults;
+    return ask(simulation, 0.0, [](const auto& s) { return api::step_length(s.simulation(), s.scene()); });
 }
 
 cvtflow_code cvtflow_advance_to(cvtflow_simulation* simulation, double time, cvtflow_message* message) {
-    return api::guarded(message, [&] { logged(api::given(simulation, "simulation"), [&](Simulation& s) { s.advance_to(time); }); });
+    return api::caught(message, [&] { logged(api::given(simulation, "simulation"), [&](auto& s) { s.advance(time, 0); }); });
 }
 
 cvtflow_code cvtflow_step(cvtflow_simulation* simulation, cvtflow_message* message) {
-    return api::guarded(message, [&] { logged(api::given(simulation, "simulation"), [](Simulation& s) { s.step(); }); });
+    return api::caught(message, [&] { logged(api::given(simulation, "simulation"), [](auto& s) { s.advance(1e300, 1); }); });
 }
 
 void cvtflow_cancel(cvtflow_simulation* simulation) {
-    if (simulation != nullptr) simulation->simulation.cancel();
+    if (simulation != nullptr) simulation->simulation->cancel();
 }
 
 cvtflow_code cvtflow_largest_stable_step(cvtflow_simulation* simulation, double* step, cvtflow_message* message) {
-    return act(simulation, message, [&](Simulation& s) { api::given(step, "step") = s.largest_stable_step(); });
+    return api::guarded(message, [&] {
+        api::HostSimulation& s = api::of(simulation);
+        api::given(step, "step") = s.visited([&] { return largest_step(s.simulation()).step; });
+    });
 }
 
 cvtflow_code cvtflow_state_get(const cvtflow_simulation* simulation, void* bytes, size_t* size, cvtflow_message* message) {
-    return act(simulation, message, [&](const Simulation& s) {
-        const State state = s.state();
-        const size_t room = std::exchange(api::given(size, "size"), state.bytes().size());
+    return api::guarded(message, [&] {
+        const std::vector<std::byte> state = api::of(simulation).state();
+        const size_t room = std::exchange(api::given(size, "size"), state.size());
         if (bytes == nullptr) return;
         if (room < *size)
             throw Error(ErrorCode::argument, "size: " + std::to_string(room) + " bytes for a state of " + std::to_string(*size));
-        std::memcpy(bytes, state.bytes().data(), *size);
+        std::memcpy(bytes, state.data(), *size);
     });
 }
 
 cvtflow_code cvtflow_state_set(cvtflow_simulation* simulation, const void* bytes, size_t size, cvtflow_message* message) {
     return api::guarded(message, [&] {
         const auto* first = static_cast<const std::byte*>(bytes);
-        const std::span all(&api::given(first, "bytes"), size);
-        api::given(simulation, "simulation").simulation.set_state(State::from_bytes(all));
+        api::of(simulation).restore(api::read_state_bytes(api::given(first, size, "bytes")));
     });
 }
 
+cvtflow_code cvtflow_state_check(const void* bytes, size_t size, cvtflow_message* message) {
+    const auto* first = static_cast<const std::byte*>(bytes);
+    return api::guarded(message, [&] { api::check_state_bytes(api::given(first, size, "bytes")); });
+}
+
 uint64_t cvtflow_hash(const cvtflow_simulation* simulation) {
-    return ask(simulation, uint64_t{0}, [](const Simulation& s) { return s.hash(); });
+    return ask(simulation, uint64_t{0}, [](const auto& s) { return s.simulation().hash(); });
 }
 
 cvtflow_code cvtflow_input_set(cvtflow_simulation* simulation, int32_t input, double value, cvtflow_message* message) {
-    return act(simulation, message, [&](Simulation& s) { s.set_input(static_cast<Input>(input), value); });
+    return api::guarded(message, [&] { api::set_input(api::of(simulation), input, value); });
 }
 
 cvtflow_code cvtflow_input_get(const cvtflow_simulation* simulation, int32_t input, double* value, cvtflow_message* message) {
-    return act(simulation, message, [&](const Simulation& s) { api::given(value, "value") = s.input(static_cast<Input>(input)); });
+    return api::guarded(message, [&] { api::given(value, "value") = api::input(api::of(simulation), input); });
 }
 
 size_t cvtflow_size(const cvtflow_simulation* simulation) {
-    return ask(simulation, size_t{0}, [](const Simulation& s) { return s.size(); });
+    return ask(simulation, size_t{0}, [](const auto& s) { return s.size(); });
 }
 
 const double* cvtflow_unknowns(const cvtflow_simulation* simulation) {
-    return ask<const double*>(simulation, nullptr, [](const Simulation& s) { return s.unknowns().data(); });
+    return ask<const double*>(simulation, nullptr, [](const auto& s) { return s.simulation().workspace().state(); });
 }
 
 cvtflow_code cvtflow_rhs(cvtflow_simulation* simulation, double time, const double* x, double* out, size_t size, cvtflow_message* message) {
     return api::guarded(message, [&] {
-        const std::span from(&api::given(x, "x"), size);
-        const std::span to(&api::given(out, "out"), size);
-        api::given(simulation, "simulation").simulation.rhs(time, from, to);
+        api::HostSimulation& s = api::of(simulation);
+        if (size != s.size())
+            throw Error(ErrorCode::argument, "rhs: " + std::to_string(size) + " numbers for " + std::to_string(s.size()) + " unknowns");
+        s.rhs(time, &api::given(x, "x"), &api::given(out, "out"));
     });
 }
 
 size_t cvtflow_channel_count(const cvtflow_simulation* simulation) {
-    return ask(simulation, size_t{0}, [](const Simulation& s) { return s.channels(); });
+    return ask(simulation, size_t{0}, [](const auto& s) { return s.channels().size(); });
 }
 
 cvtflow_code cvtflow_channel_describe(const cvtflow_simulation* simulation, size_t channel, cvtflow_channel_info* info,
                                       cvtflow_message* message) {
-    return act(simulation, message, [&](const Simulation& s) {
-        const ChannelInfo row = s.channel_info(channel);
-        api::fill_versioned(info, "info", {sizeof *info, 0, row.name.data(), row.unit.data(), row.description.data(), row.width});
+    return api::guarded(message, [&] {
+        const api::HostSimulation& s = api::of(simulation);
+        const tasks::Channel& row = s.channels().row(channel);
+        const auto width = static_cast<size_t>(row.width(s.simulation().workspace().variator.chain()));
+        api::fill_versioned(info, "info", {sizeof *info, 0, row.name.data(), row.unit.data(), row.description.data(), width});
     });
 }
 
 cvtflow_code cvtflow_channel_find(const cvtflow_simulation* simulation, const char* name, size_t* channel, cvtflow_message* message) {
-    return act(simulation, message,
-               [&](const Simulation& s) { api::given(channel, "channel") = s.find_channel(&api::given(name, "name")); });
+    return api::guarded(message, [&] {
+        const api::HostSimulation& s = api::of(simulation);
+        api::given(channel, "channel") = s.channels().find(&api::given(name, "name"));
+    });
 }
 
 cvtflow_code cvtflow_channel_values(cvtflow_simulation* simulation, size_t channel, const double** values, size_t* width,
                                     cvtflow_message* message) {
-    return act(simulation, message, [&](Simulation& s) {
-        const std::span<const double> now = s.channel(channel);
+    return api::guarded(message, [&] {
+        api::HostSimulation& s = api::of(simulation);
+        const std::span<const double> now = s.visited([&] { return s.channels().read(channel); });
         api::given(values, "values") = now.data();
         if (width != nullptr) *width = now.size();
     });
 }
 
 cvtflow_code cvtflow_counters_get(const cvtflow_simulation* simulation, cvtflow_counters* counters) {
-    return act(simulation, nullptr, [&](const Simulation& s) {
-        const Counters now = s.counters();
+    return api::guarded(nullptr, [&] {
+        const tasks::Counters& now = counters_of(api::of(simulation));
         api::fill_versioned(counters, "counters",
-                            {sizeof *counters, 0, now.steps, now.evaluations, now.transitions, now.truncated, now.suppressed});
+                            {sizeof *counters, 0, now.steps, now.evaluations, now.detected, now.truncated, now.suppressed});
     });
 }
 
 cvtflow_code cvtflow_notices(const cvtflow_simulation* simulation, cvtflow_log_function function, void* user, cvtflow_message* message) {
-    return api::guarded(message, [&] {
+    return api::caught(message, [&] {
         if (function == nullptr) throw Error(ErrorCode::argument, "function is NULL");
-        for (const std::string& line : api::given(simulation, "simulation").simulation.notices()) function(line.c_str(), user);
+        const api::HostSimulation& s = api::of(simulation);
+        for (const std::string& line : api::entered(ErrorCode::internal, [&] { return s.notices(); })) function(line.c_str(), user);
     });
 }
 
@@ -233,42 +252,48 @@ cvtflow_code cvtflow_on_log(cvtflow_simulation* simulation, cvtflow_log_function
 
 cvtflow_code cvtflow_input_describe(int32_t input, cvtflow_channel_info* info, cvtflow_message* message) {
     return api::guarded(message, [&] {
-        const InputInfo row = input_info(static_cast<Input>(input));
+        const api::InputText row = api::input_text(input);
         api::fill_versioned(info, "info", {sizeof *info, 0, row.name.data(), row.unit.data(), row.description.data(), 1});
     });
 }
 
 cvtflow_code cvtflow_energy_get(const cvtflow_simulation* simulation, cvtflow_energy* energy) {
-    return act(simulation, nullptr, [&](const Simulation& s) {
-        const Energy now = s.energy();
-        api::fill_versioned(energy, "energy", {sizeof *energy, now.reliable ? 1 : 0, now.residual, now.dissipated, now.error_ratio});
+    return api::guarded(nullptr, [&] {
+        const tasks::Simulation& now = api::of(simulation).simulation();
+        const tasks::EnergyBalance balance = now.workspace().energy.balance();
+        const double ratio = now.balance_error_ratio();
+        api::fill_versioned(energy, "energy", {sizeof *energy, ratio <= 1.0 ? 1 : 0, balance.residual(), balance.loss, ratio});
     });
 }
 
 cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, cvtflow_output_function function, void* user,
                                cvtflow_message* message) {
-    return act(simulation, message, [&](Simulation& s) {
-        if (function == nullptr) return s.on_output(interval, {});
-        s.on_output(interval, [=](Simulation&) { call_back(*simulation, "output", [&] { return function(simulation, user); }); });
+    return api::guarded(message, [&] {
+        api::HostSimulation& s = api::of(simulation);
+        std::function<void()> call;
+        if (function != nullptr) call = [=] { call_back(*simulation, "output", [&] { return function(simulation, user); }); };
+        s.visited([&] { s.callbacks().on_output(s.simulation().time(), interval, std::move(call)); });
     });
 }
 
 cvtflow_code cvtflow_on_transition(cvtflow_simulation* simulation, cvtflow_transition_function function, void* user,
                                    cvtflow_message* message) {
-    return act(simulation, message, [&](Simulation& s) {
-        if (function == nullptr) return s.on_transition({});
-        s.on_transition([=](Simulation&, const Transition& t) {
-            const cvtflow_transition now{sizeof now, t.pin, t.tip, t.from, t.to, 0, t.time};
-            call_back(*simulation, "a transition", [&] { return function(simulation, &now, user); });
-        });
+    return api::guarded(message, [&] {
+        api::HostSimulation& s = api::of(simulation);
+        std::function<void(const cvtflow_transition&)> call;
+        if (function != nullptr)
+            call = [=](const cvtflow_transition& now) {
+                call_back(*simulation, "a transition", [&] { return function(simulation, &now, user); });
+            };
+        s.visited([&] { s.callbacks().on_transition(std::move(call)); });
     });
 }
 
 cvtflow_code cvtflow_transitions(cvtflow_simulation* simulation, cvtflow_transition* transitions, size_t* count, cvtflow_message* message) {
     return api::guarded(message, [&] {
-        auto& impl = api::given(simulation, "simulation").impl();
-        impl.visited([&] {
-            const std::vector<Transition>& pulled = impl.callbacks().pull(count != nullptr);
+        api::HostSimulation& s = api::of(simulation);
+        s.visited([&] {
+            const std::vector<cvtflow_transition>& pulled = s.callbacks().pull(count != nullptr);
             if (count == nullptr) return;
             const size_t room = std::exchange(*count, pulled.size());
             if (transitions == nullptr) return;
@@ -277,13 +302,13 @@ cvtflow_code cvtflow_transitions(cvtflow_simulation* simulation, cvtflow_transit
                             "count: room for " + std::to_string(room) + " of " + std::to_string(pulled.size()) + " transitions");
             auto* place = reinterpret_cast<std::byte*>(transitions);
             const uint32_t size = transitions->size;  // of the caller's struct, which may be longer
-            for (const Transition& t : pulled) {
+            for (const cvtflow_transition& now : pulled) {
                 auto* row = reinterpret_cast<cvtflow_transition*>(place);
                 row->size = size;
-                api::fill_versioned(row, "a transition", {sizeof *row, t.pin, t.tip, t.from, t.to, 0, t.time});
+                api::fill_versioned(row, "a transition", now);
                 place += size;
             }
-            impl.callbacks().forget_pulled();
+            s.callbacks().forget_pulled();
         });
     });
 }

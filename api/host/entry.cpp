@@ -8,41 +8,7 @@
 
 namespace cvtflow::api {
 
-ErrorCode code_of(const tasks::Fault& fault) {
-    for (int number = 0; number < static_cast<int>(ErrorCode::other_fault); ++number) {
-        const auto code = static_cast<ErrorCode>(number);
-        if (fault.name() == error_name(code)) return code;
-    }
-    return ErrorCode::other_fault;
-}
-
-void require_stack() {
-    const std::size_t left = engine::stack_left();
-    if (left >= min_stack) return;
-    throw Error(ErrorCode::argument, "the calling thread has " + std::to_string(left >> 10U) + " KiB of stack left; 256 KiB are needed");
-}
-
-void rethrow(ErrorCode otherwise) {
-    try {
-        throw;
-    } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::memory, "no memory");
-    } catch (const std::exception& error) {
-        throw Error(otherwise, engine::error_text(error));
-    }
-}
-
-}  // namespace cvtflow::api
-
-namespace cvtflow {
-inline namespace v0 {
-
-Error::Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
-Error::~Error() = default;
-
-const char* error_name(ErrorCode code) noexcept {
+const char* code_name(ErrorCode code) noexcept {
     switch (code) {
         case ErrorCode::none: return "none";
         case ErrorCode::argument: return "argument";
@@ -67,5 +33,30 @@ const char* error_name(ErrorCode code) noexcept {
     return "unknown";
 }
 
-}  // namespace v0
-}  // namespace cvtflow
+ErrorCode code_of(const tasks::Fault& fault) {
+    for (int number = 0; number < static_cast<int>(ErrorCode::other_fault); ++number) {
+        const auto code = static_cast<ErrorCode>(number);
+        if (fault.name() == code_name(code)) return code;
+    }
+    return ErrorCode::other_fault;
+}
+
+void require_stack() {
+    const std::size_t left = engine::stack_left();
+    if (left >= min_stack) return;
+    throw Error(ErrorCode::argument, "the calling thread has " + std::to_string(left >> 10U) + " KiB of stack left; 256 KiB are needed");
+}
+
+void rethrow(ErrorCode otherwise) {
+    try {
+        throw;
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::memory, "no memory");
+    } catch (const std::exception& error) {
+        throw Error(otherwise, engine::error_text(error));
+    }
+}
+
+}  // namespace cvtflow::api

@@ -43,6 +43,9 @@ private:
     std::fenv_t found_;
 };
 
+/// "cancelled", "non_finite", …; "unknown" for a number that is no code
+[[nodiscard]] const char* code_name(ErrorCode code) noexcept;
+
 /// The public code with the name of a fault; kinds without a code are other_fault.
 [[nodiscard]] ErrorCode code_of(const tasks::Fault& fault);
 

@@ -11,6 +11,11 @@ namespace cvtflow::engine {
 
 std::span<const ExecutorRow> threaded_executors() noexcept { return {}; }
 int usable_processors() { return 1; }
+Provenance current_provenance() {
+    Provenance here;
+    here.commit = "unknown";
+    return here;
+}
 ThreadShortage thread_shortage() noexcept { return {}; }
 long process_number() noexcept { return 0; }
 

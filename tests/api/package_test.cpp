@@ -115,7 +115,7 @@ TEST_F(Package, OfTheCoreNeedsNoLibraryButThoseOfCxx) {
         EXPECT_EQ(run("ldd " + program + " | grep -vE 'linux-vdso|ld-linux|lib(c|m|gcc_s|stdc[+][+]|cvtflow-core)[.]so' || true"), "")
             << program;
     }
-    EXPECT_EQ(run("find p -name record.hpp -o -name 'libcvtflow.so*'"), "") << "what is not in it";
+    EXPECT_EQ(run("find p -name recording.hpp -o -name 'libcvtflow.so*'"), "") << "what is not in it";
 }
 
 /// Pages refer to one another by relative paths, which a reader follows in the installed folder.

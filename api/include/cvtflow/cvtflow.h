@@ -1,6 +1,8 @@
 /* C interface of cvtflow: opaque handles, error codes, no exception and no C++ type crosses it.
  *
- * Stability, as of the C++ interface (version.hpp): a program built against 0.x runs with every 0.x.y, whose library is named
+ * This is the library: the C++ interface is made of inline functions over it (simulation.hpp), the Python package calls it by ctypes.
+ *
+ * Stability (version.hpp): a program built against 0.x runs with every 0.x.y, whose library is named
  * libcvtflow.so.0.x; one built against 1.x with every later 1.y. Within that, functions are never removed or changed, only added (symbol
  * version CVTFLOW_0). Structs that grow begin with their size in bytes, set by the caller (CVTFLOW_INIT does it): the library touches no
  * member beyond it.
@@ -49,7 +51,7 @@ typedef enum cvtflow_code {
     CVTFLOW_MEMORY = 8,
     CVTFLOW_INTERNAL = 9,     /* a defect of cvtflow */
     CVTFLOW_CALLBACK = 10,    /* a callback returned other than 0 */
-    CVTFLOW_RECORD = 11,      /* a record cannot be read */
+    CVTFLOW_RECORD = 11,      /* a record, table or folder cannot be read or written */
     CVTFLOW_NON_FINITE = 20,  /* from here on: why a simulation cannot go on */
     CVTFLOW_PENETRATION = 21,
     CVTFLOW_LEFT_SHEAVE = 22,
@@ -61,7 +63,6 @@ typedef enum cvtflow_code {
 
 typedef struct cvtflow_scene cvtflow_scene;
 typedef struct cvtflow_simulation cvtflow_simulation;
-typedef struct cvtflow_record cvtflow_record;
 
 /* What went wrong, in words: a string that ends in 0, cut off if it does not fit. A scene with many wrong keys has a line for each: a caller
  * that shows all of them passes a larger struct that begins as this one, with its size. */
@@ -192,6 +193,8 @@ CVTFLOW_API cvtflow_code cvtflow_largest_stable_step(cvtflow_simulation* simulat
 /* Full integration state as bytes. */
 CVTFLOW_API cvtflow_code cvtflow_state_get(const cvtflow_simulation* simulation, void* bytes, size_t* size, cvtflow_message* message);
 CVTFLOW_API cvtflow_code cvtflow_state_set(cvtflow_simulation* simulation, const void* bytes, size_t size, cvtflow_message* message);
+/* CVTFLOW_STATE for bytes that are damaged or of another version. */
+CVTFLOW_API cvtflow_code cvtflow_state_check(const void* bytes, size_t size, cvtflow_message* message);
 CVTFLOW_API uint64_t cvtflow_hash(const cvtflow_simulation* simulation);
 
 /* value may be set between steps and from callbacks. */
@@ -241,8 +244,8 @@ CVTFLOW_API cvtflow_code cvtflow_transitions(cvtflow_simulation* simulation, cvt
 
 /* Records the simulation from now on in an HDF5 file: channels, states and transitions at the scene's run.output_interval, as `cvtflow run`
  * does, but no settling. replace other than 0 replaces a file, or rows of a run that was killed. CVTFLOW_RECORD for files, CVTFLOW_STATE if it
- * is being recorded already. finish completes the file; complete 0 marks it as cancelled. A simulation that is destroyed before leaves what it
- * has recorded in the .part file. Not in the core library. */
+ * is being recorded already. finish completes the file; complete 0 marks it as cancelled, -1 leaves what has been recorded in the .part file, as
+ * does a simulation that is destroyed before. Not in the core library. */
 CVTFLOW_API cvtflow_code cvtflow_record_begin(cvtflow_simulation* simulation, const char* path, int32_t replace, cvtflow_message* message);
 CVTFLOW_API cvtflow_code cvtflow_record_finish(cvtflow_simulation* simulation, int32_t complete, cvtflow_message* message);
 
@@ -288,18 +291,6 @@ typedef int (*cvtflow_asked_function)(void* user);
 CVTFLOW_API cvtflow_code cvtflow_tune(const cvtflow_scene* scene, double accuracy, const char* outputs, double budget, const char* folder,
                                       cvtflow_asked_function function, void* user, cvtflow_scene** tuned, cvtflow_tuning* tuning,
                                       cvtflow_message* message);
-
-/* Records of runs. One record is used by one thread at a time, and no two at once. Strings of a description live as long as the record. */
-CVTFLOW_API cvtflow_code cvtflow_record_open(const char* path, cvtflow_record** record, cvtflow_message* message);
-CVTFLOW_API void cvtflow_record_close(cvtflow_record* record);                 /* NULL is allowed */
-CVTFLOW_API const char* cvtflow_record_status(const cvtflow_record* record);   /* "finished", "running", "unreliable", "cycle_missed: …", … */
-CVTFLOW_API size_t cvtflow_record_rows(const cvtflow_record* record);
-CVTFLOW_API size_t cvtflow_record_channel_count(const cvtflow_record* record);
-CVTFLOW_API cvtflow_code cvtflow_record_describe(const cvtflow_record* record, size_t channel, cvtflow_channel_info* info,
-                                                 cvtflow_message* message);
-/* Rows first … first + count - 1 of a channel by name, or of "time" [s], into values[size], size = count * width. */
-CVTFLOW_API cvtflow_code cvtflow_record_read(const cvtflow_record* record, const char* channel, size_t first, size_t count, double* values,
-                                             size_t size, cvtflow_message* message);
 
 #ifdef __cplusplus
 }

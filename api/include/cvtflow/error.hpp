@@ -1,13 +1,14 @@
 #pragma once
-/// Everything that can go wrong, as one exception type with a code. The codes are those of the C interface (cvtflow.h).
+/// Everything that can go wrong, as one exception type with a code. The C++ interface is made of inline functions over cvtflow.h: no C++
+/// type crosses the border of the library, so a host may have another compiler and another standard library.
+
+#include <cvtflow/cvtflow.h>
 
 #include <stdexcept>
 #include <string>
 
-#include <cvtflow/export.hpp>
-
 namespace cvtflow {
-inline namespace v0 {
+inline namespace v0_4 {
 
 enum class ErrorCode : int {
     none = 0,
@@ -31,12 +32,9 @@ enum class ErrorCode : int {
     other_fault = 39,  ///< the run cannot continue for another reason, see what()
 };
 
-class CVTFLOW_EXPORT Error : public std::runtime_error {
+class Error : public std::runtime_error {
 public:
-    Error(ErrorCode code, const std::string& message);
-    Error(const Error&) = default;
-    Error& operator=(const Error&) = default;
-    ~Error() override;
+    Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
 
     [[nodiscard]] ErrorCode code() const noexcept { return code_; }
 
@@ -45,7 +43,42 @@ private:
 };
 
 /// "cancelled", "non_finite", …
-[[nodiscard]] CVTFLOW_EXPORT const char* error_name(ErrorCode code) noexcept;
+[[nodiscard]] inline const char* error_name(ErrorCode code) noexcept { return cvtflow_code_name(static_cast<int>(code)); }
 
-}  // namespace v0
+namespace detail {
+
+/// A cvtflow_message with room for the problems of a scene, each of a line.
+struct Message {
+    std::uint32_t size;
+    std::int32_t code;
+    char text[8184];  // not cleared
+
+    Message() noexcept : size(sizeof *this), code(0) { text[0] = '\0'; }
+    [[nodiscard]] cvtflow_message* get() noexcept { return reinterpret_cast<cvtflow_message*>(this); }
+    void check(cvtflow_code code_of_call) const {
+        if (code_of_call != CVTFLOW_OK) throw Error(static_cast<ErrorCode>(code_of_call), text);
+    }
+};
+
+/// Calls a function of C with a message behind its arguments. @throws Error
+template <class Function, class... Arguments>
+void call(Function* function, Arguments... arguments) {
+    Message message;
+    message.check(function(arguments..., message.get()));
+}
+
+/// The text that a function of C gives. @throws Error
+template <class Function, class... Arguments>
+[[nodiscard]] std::string text(Function* function, Arguments... arguments) {
+    std::size_t size = 0;
+    call(function, arguments..., static_cast<char*>(nullptr), &size);
+    std::string whole(size, '\0');
+    call(function, arguments..., whole.data(), &size);
+    whole.resize(size - 1);
+    return whole;
+}
+
+}  // namespace detail
+
+}  // namespace v0_4
 }  // namespace cvtflow

@@ -2,7 +2,7 @@
 /// Threads that run a simulation, chosen per simulation; results are bitwise the same for every choice.
 
 namespace cvtflow {
-inline namespace v0 {
+inline namespace v0_4 {
 
 /// Three ways to run. No way starts a thread before the first step.
 ///
@@ -32,5 +32,5 @@ private:
     int count_;
 };
 
-}  // namespace v0
+}  // namespace v0_4
 }  // namespace cvtflow

@@ -1,21 +1,21 @@
 #pragma once
 /// Version of these headers. Semantic: a program built against 0.x runs with the same 0.x, one built against 1.x with every later 1.y.
-/// Before 1.0 the library's name carries the minor version (libcvtflow.so.0.4). The C interface is promised no less and no more. (Equality
-/// with the project's version is a test.)
+/// Before 1.0 the library's name carries the minor version (libcvtflow.so.0.4), and the inline namespace of all names as well, since they
+/// are compiled into hosts. The C interface is promised no less and no more. (Equality with the project's version is a test.)
+
+#include <cvtflow/cvtflow.h>
 
 #include <string>
-
-#include <cvtflow/export.hpp>
 
 #define CVTFLOW_VERSION_MAJOR 0
 #define CVTFLOW_VERSION_MINOR 4
 #define CVTFLOW_VERSION_PATCH 0
 
 namespace cvtflow {
-inline namespace v0 {
+inline namespace v0_4 {
 
 /// Version of the loaded library: "0.4.0".
-[[nodiscard]] CVTFLOW_EXPORT std::string library_version();
+[[nodiscard]] inline std::string library_version() { return cvtflow_version(); }
 
-}  // namespace v0
+}  // namespace v0_4
 }  // namespace cvtflow

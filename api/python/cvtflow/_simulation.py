@@ -80,10 +80,11 @@ class State:
     @staticmethod
     @plain("State.from_bytes")
     def from_bytes(bytes: bytes) -> State:
-        """A state that was kept; set_state() raises StateError for bytes that are damaged, or of another version."""
+        """Raises StateError for damaged bytes, or those of another version."""
         if not isinstance(bytes, _BYTES):
             raise _WrongType(repr(bytes))
-        return State(_BYTES(bytes))
+        check(c.state_check(bytes, len(bytes), message()))
+        return State(bytes)
 
     def bytes(self) -> bytes:
         """The state as bytes."""
@@ -286,7 +287,7 @@ class Simulation:
 
     @plain("set_state")
     def set_state(self, state: State) -> None:
-        """Raises StateError for the state of another scene or version, or a damaged one."""
+        """Raises StateError for the state of another scene."""
         if not isinstance(state, State):
             raise _WrongType(repr(state))
         self._alone(lambda: check(c.state_set(self._handle, state._bytes, len(state._bytes), message())))
