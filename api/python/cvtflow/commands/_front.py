@@ -61,7 +61,7 @@ class Parser(argparse.ArgumentParser):
 
 def _usage_word(action):
     """FILE..., [CHANNEL]"""
-    word = action.metavar.split()[0] + ("..." if action.nargs in ("+", "*") else "")
+    word = (action.metavar or action.dest.upper()).split()[0] + ("..." if action.nargs in ("+", "*") else "")
     return word if action.required else f"[{word}]"
 
 
