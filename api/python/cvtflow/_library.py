@@ -197,11 +197,14 @@ def made(function: Any, *arguments: Any) -> int:
 
 def text_of(function: Any, *arguments: Any) -> str:
     """The text that a function gives."""
-    room = c_size_t(0)
-    check(function(*arguments, None, byref(room), _local.address))
-    text = ctypes.create_string_buffer(room.value)
-    check(function(*arguments, text, byref(room), _local.address))
-    return text.value.decode("utf-8", "replace")
+    room = 1 << 16  # what most texts need
+    while True:
+        text, size = ctypes.create_string_buffer(room), c_size_t(room)
+        code = function(*arguments, text, byref(size), _local.address)
+        if size.value <= room:
+            check(code)
+            return text.value.decode("utf-8", "replace")
+        room = size.value
 
 
 def interruptible(work: Callable[[], Any], end: Callable[[], Any], waiting: Callable[[str], Any] = lambda text: None) -> Any:
