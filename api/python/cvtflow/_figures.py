@@ -13,8 +13,6 @@ import textwrap
 import matplotlib
 import numpy as np
 
-from . import _known
-
 STYLE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "cvtflow.mplstyle")
 _LEGEND = 26  # characters of a name in a legend beside the frame
 _WIDTH, _HEIGHT, _LOW = 8.6, 5.4, 3.0  # of a picture with one panel, of one of several [inch]
@@ -465,23 +463,3 @@ def _plain_svg(svg, mark):
     svg = re.sub(r"\n <metadata>.*?</metadata>", "", svg[svg.index("<svg"):], flags=re.DOTALL)
     svg = re.sub(r' d="([^"]*)"', lambda path: ' d="' + re.sub(r"(\.\d\d)\d+", r"\1", path[1]) + '"', svg)
     return (svg.replace(">", f">\n<!-- {mark} -->", 1) if mark else svg).encode()
-
-
-_MARKS = {"none": "", "dot": "o", "small_dot": ".", "ring": "o", "square": "s", "diamond": "D", "triangle": "^", "cross": "x"}
-
-
-def panel_of(received):
-    """A panel as the program sends it (bench/lab/plot/chart.cpp)."""
-    axes = [received[each] for each in "xy"]
-    panel = Panel(received["title"], *(axis["label"] for axis in axes), height=received["height"] / 100.0)
-    panel.scales = tuple(("symlog", axis["linear_up_to"]) if axis["scale"] == "symlog" else axis["scale"] for axis in axes)
-    panel.x_ends, panel.y_ends = (() if axis["from"] is None and axis["to"] is None else (axis["from"], axis["to"]) for axis in axes)
-    for each in received["series"]:
-        style = {"linestyle": each["line"], "linewidth": each["width"], "marker": _MARKS[each["mark"]]}
-        style |= {"markerfacecolor": "none"} if each["mark"] == "ring" else {}
-        style |= {"color": each["colour"]} if each["colour"] else {}
-        x, y = (np.array(each[axis], dtype=float) for axis in "xy")
-        panel.lines.append(Line(each["name"], x, y, style, each["sets_ends"]))
-    for each in received["regions"]:
-        panel.regions.append((each["name"], each["colour"], np.array(each["x"]), np.array(each["y"]), np.array(each["inside"])))
-    return panel
