@@ -23,7 +23,7 @@
 #include <thread>
 #include <vector>
 
-#include "bench/study/profile/report.hpp"
+#include "bench/study/compiler_flags.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/thread/worker_threads.hpp"
 

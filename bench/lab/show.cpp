@@ -13,10 +13,27 @@
 #include <string>
 #include <string_view>
 
+#include "bench/executor/further_executors.hpp"
+#include "bench/study/compiler_flags.hpp"
+#include "engine/thread/worker_threads.hpp"
+#include "tasks/schedule/schedule.hpp"
 #include "tools/program/front.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/text/report_columns.hpp"
 
 namespace cvtflow::bench {
+
+Json named(std::string_view keys, std::initializer_list<Json> values) {
+    Json object;
+    const Json* value = values.begin();
+    for (std::size_t end = 0; end != std::string_view::npos; keys.remove_prefix(end == std::string_view::npos ? 0 : end + 1)) {
+        end = keys.find(',');
+        if (value == values.end()) throw std::invalid_argument("more keys than values");
+        object[std::string(keys.substr(0, end))] = *value++;
+    }
+    if (value != values.end()) throw std::invalid_argument("more values than keys");
+    return object;
+}
 
 Json number_json(double value) { return std::isinf(value) ? Json("inf") : Json(value); }
 
@@ -26,7 +43,19 @@ Json values_json(std::span<const std::complex<double>> values) {
     return list;
 }
 
+Json machine_json() {
+    Json machine = tools::provenance_json();
+    machine["compiler"] = machine["compiler"].get<std::string>() + " " + machine["build_type"].get<std::string>();
+    machine["flags"] = compiler_flags();
+    machine["runtimes"] = runtime_versions();
+    machine["tbb"] = engine::tbb_version();
+    machine["openmp"] = openmp_version();
+    machine["usable"] = tasks::usable_threads();
+    return machine;
+}
+
 void show(const char* command, Json results, const tools::OutputArguments& output) {
+    results["program"] = tools::program_name();
     results["output"] = {{"folder", output.folder}, {"csv", output.csv}, {"json", output.json}, {"svg", output.svg}};
     const std::string text = results.dump(-1, ' ', false, Json::error_handler_t::replace);
     const int file = memfd_create("results", MFD_CLOEXEC);

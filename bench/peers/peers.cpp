@@ -7,7 +7,6 @@
 ///     bench_peers [SCENE] [--time US] [--interval US] [--rounds N] [--tolerances LIST] [--methods METHOD@US,…] [--agree ERROR] [-o DIR]
 
 #include <fmt/format.h>
-#include <fmt/os.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,17 +16,15 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "bench/executor/further_executors.hpp"
-#include "bench/lab/plot/plot.hpp"
+#include "bench/lab/show.hpp"
 #include "bench/peers/solvers.hpp"
 #include "bench/study/error_measure.hpp"
 #include "bench/study/profile/other_load.hpp"
-#include "bench/study/profile/report.hpp"
 #include "bench/study/profile/statistics.hpp"
 #include "bench/study/run_watch.hpp"
-#include "engine/base/provenance.hpp"
 #include "engine/executor/cancellation.hpp"
 #include "tasks/run/simulation.hpp"
+#include "tools/program/guard.hpp"
 
 namespace {
 
@@ -157,62 +154,35 @@ Row peer_row(const bench::Peer& peer, bench::Problem& problem, double tolerance,
     return row;
 }
 
-void print(const std::vector<Row>& rows) {
-    fmt::print("{:<20} {:>10} {:>9} {:>12} {:>10} {:>14} {:>11} {:>11}  {}\n", "solver", "step, tol.", "steps", "evaluations", "Jacobians",
-               "s/simulated s", "err axial", "err tension", "remark");
-    for (const Row& row : rows) {
-        fmt::print("{:<20} {:>10} {:>9} {:>12} {:>10} {:>14.4g} {:>11.2e} {:>11.2e}  {}\n", row.solver, row.choice, row.steps,
-                   row.evaluations, row.jacobians, row.cost, row.error_axial, row.error_tension, row.fault);
-    }
+/// Rows of the table.
+bench::Json rows_json(const std::vector<Row>& rows, const Settings& settings, double duration, double got) {
+    bench::Json list = bench::Json::array();
+    for (const Row& row : rows)
+        list.push_back(bench::named(
+            "scene,duration_us,solver,choice,steps,evaluations,jacobians,seconds_per_simulated_second,error_axial,error_tension,fault,"
+            "rounds,calibrated,sundials",
+            {settings.scene, 1e6 * duration, row.solver, row.choice, row.steps, row.evaluations, row.jacobians, row.cost,
+             bench::number_json(row.error_axial), bench::number_json(row.error_tension), row.fault, settings.rounds, got,
+             bench::sundials_version()}));
+    return list;
 }
 
-void write_csv(const std::string& path, const std::vector<Row>& rows, const Settings& settings, double duration, double got) {
-    const engine::Provenance here = engine::current_provenance();
-    auto file = fmt::output_file(path);
-    file.print(
-        "scene,duration_us,solver,choice,steps,evaluations,jacobians,seconds_per_simulated_second,error_axial,error_tension,fault,rounds,");
-    file.print("calibrated,sundials,commit,compiler,flags,runtimes,cpu,cores,date\n");
-    for (const Row& row : rows) {
-        file.print("{},{:g},{},{},{},{},{},{:.6g},{:.4e},{:.4e},\"{}\",{},{:.3f},{},{},\"{} {}\",\"{}\",\"{}\",\"{}\",{},{}\n",
-                   settings.scene, 1e6 * duration, row.solver, row.choice, row.steps, row.evaluations, row.jacobians, row.cost,
-                   row.error_axial, row.error_tension, row.fault, settings.rounds, got, bench::sundials_version(), here.commit,
-                   here.compiler, here.build_type, bench::compiler_flags(), bench::runtime_versions(), here.cpu, here.cores, here.date);
-    }
-}
-
-tools::Plot picture(const std::vector<Row>& rows, const Settings& settings, double duration, double got) {
-    tools::Plot plot;
-    plot.title = fmt::format("Cost against error: {}, {:g} us without a transition", settings.scene, 1e6 * duration);
-    plot.subtitle = fmt::format("one thread; SUNDIALS {}; calibration got {:.2f} of 1 processor; commit {}", bench::sundials_version(), got,
-                                engine::current_provenance().commit);
-    plot.x = {"error of the tips' axial forces", tools::Scale::logarithmic, 1.0, {}, {}};
-    plot.y = {"seconds per simulated second", tools::Scale::logarithmic, 1.0, {}, {}};
-    for (const Row& row : rows) {
-        if (!row.fault.empty()) continue;
-        if (plot.series.empty() || plot.series.back().name != row.solver)
-            plot.series.push_back({row.solver, {}, tools::Mark::dot, tools::Line::solid, ""});
-        plot.series.back().points.push_back({row.error_axial, row.cost});
-    }
-    return plot;
-}
-
-/// Every solver has to come down to the agreement with one of its choices. @return the exit status
-int exit_status(const std::vector<Row>& rows, double agreement) {
+/// Every solver has to come down to the agreement with one of its choices. @return a line for each that does not
+bench::Json complaints_of(const std::vector<Row>& rows, double agreement) {
     std::map<std::string, double> least;
     for (const Row& row : rows) {
         const auto [entry, fresh] = least.try_emplace(row.solver, row.error_tension);
         if (!fresh && !(entry->second <= row.error_tension)) entry->second = row.error_tension;
     }
-    int status = 0;
+    bench::Json complaints = bench::Json::array();
     for (const auto& [solver, error] : least) {
         if (agreement == 0.0 || error <= agreement) continue;
-        fmt::print(stderr, "bench_peers: {} comes down to {:.2e}, not to {:.2e}\n", solver, error, agreement);
-        status = 1;
+        complaints.push_back(fmt::format("{} comes down to {:.2e}, not to {:.2e}", solver, error, agreement));
     }
-    return status;
+    return complaints;
 }
 
-int run(const Settings& settings) {
+[[noreturn]] void run(const Settings& settings) {
     tasks::Scene scene = tasks::read_scene(std::filesystem::path(CVTFLOW_SOURCE_DIR "/scenes") / (settings.scene + ".toml"));
     tasks::set_value(scene, "run.schedule=serial");
     tasks::Simulation simulation(scene);
@@ -232,22 +202,23 @@ int run(const Settings& settings) {
             rows.push_back(peer_row(peer, problem, tolerance, measure.reference(), settings, duration));
     }
     got = std::min(got, bench::processors_got(1, 0.1));
-    fmt::print("{}: {:g} us before the first transition, {} unknowns, one thread; SUNDIALS {}; calibration got {:.2f} of 1 processor\n",
-               scene.name, 1e6 * duration, problem.size(), bench::sundials_version(), got);
-    for (const bench::Peer& peer : bench::peers()) fmt::print("  {:<18} {}\n", peer.name, peer.description);
-    print(rows);
-    if (settings.folder.empty()) return exit_status(rows, settings.agreement);
-    std::filesystem::create_directories(settings.folder);
-    const std::string stem = settings.folder + "/peers_" + settings.scene;
-    write_csv(stem + ".csv", rows, settings, duration, got);
-    fmt::output_file(stem + ".svg").print("{}", tools::svg(picture(rows, settings, duration, got)));
-    fmt::print("  written             {0}.csv, {0}.svg\n", stem);
-    return exit_status(rows, settings.agreement);
+    bench::Json solvers = bench::Json::array();
+    for (const bench::Peer& peer : bench::peers()) solvers.push_back(bench::Json::array({peer.name, peer.description}));
+    bench::show("peers",
+                {{"rows", rows_json(rows, settings, duration, got)},
+                 {"size", problem.size()},
+                 {"peers", std::move(solvers)},
+                 {"machine", bench::machine_json()},
+                 {"complaints", complaints_of(rows, settings.agreement)}},
+                {.folder = settings.folder});
 }
 
 }  // namespace
 
-int main(int count, char** words) try { return run(parse(count, words)); } catch (const std::exception& error) {
+int main(int count, char** words) try {
+    cvtflow::tools::name_program("bench_peers");
+    run(parse(count, words));
+} catch (const std::exception& error) {
     std::fprintf(stderr, "bench_peers: %s\n", error.what());
     return 1;
 }

@@ -120,16 +120,48 @@ TEST_F(LabCommands, CompareFindsThePinThatEntersFirst) {
     EXPECT_THAT(outcome.err, testing::Not(HasSubstr("first")));
 }
 
+// The classical method is stable to 53 ns there, and at 200 ns no fault comes of it.
+const std::vector<std::string> candidates{"rk4@200ns", "leapfrog-sweep@auto", "--reference", "rk4@25ns", "-o", "out"};
+
+TEST_F(LabCommands, CompareMarksWhatIsUnreliable) {
+    const Outcome outcome =
+        run(std::vector<std::string>{"compare", "control", "-q", "--duration", "120us", "--rounds", "1", "--pin", "first"} + candidates);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, testing::StartsWith("cvtflow-lab: rk4@200ns: unreliable: the residual of the energy balance is "));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4@200ns .* unreliable\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  leapfrog-sweep@auto +2\\.[0-9]+ us .* finished\n"));
+    EXPECT_THAT(outcome.out,
+                testing::ContainsRegex("\n  too short +120 us are 0\\.17 pin periods: means of slip and efficiency require 16 "));
+    EXPECT_THAT(read("out/compare_control.csv"),
+                AllOf(HasSubstr(",status,residual,error_ratio,pin_periods,long_enough,mean_slip,efficiency\n"),
+                      testing::ContainsRegex("\nrk4@200ns,.*,unreliable,"),
+                      testing::ContainsRegex("\nleapfrog-sweep@auto,.*,finished,[^,]*,[^,]*,0\\.1[0-9]*,0,")));
+    const auto json = nlohmann::json::parse(read("out/compare_control.json"));
+    EXPECT_EQ(json["choices"][0]["status"], "unreliable");
+    EXPECT_GT(double(json["choices"][0]["error_ratio"]), 1.0);
+    EXPECT_EQ(json["reference_watch"]["long_enough"], false);
+}
+
+TEST_F(LabCommands, AutomaticStepsAreChoicesWhereverAMethodAndItsStepAreRead) {
+    const Outcome compare = run({"compare", "tiny", "leapfrog-sweep@auto", "rk4@auto", "--reference", "rk4@auto", "--rounds", "1", "--set",
+                                 "start.settling_time=20us", "--set", "start.ramp_time=10us"});
+    EXPECT_EQ(compare.status, 0) << compare.err;
+    EXPECT_THAT(compare.out, testing::ContainsRegex("\n  rk4@auto .* 0\\.0e\\+00 ")) << "the reference itself";
+    EXPECT_EQ(run({"compare", "tiny", "rk4@Auto", "-q"}).err, "cvtflow-lab: rk4@Auto: 'Auto' is not a time above 0, such as 40ns\n");
+}
+
 TEST_F(LabCommands, DotDrawsATaskPerSegment) {
     const std::string text = run({"dot", "tiny", "--segments", "3"}).out;
-    EXPECT_THAT(text, AllOf(StartsWith("digraph "), HasSubstr("force[2]"), testing::Not(HasSubstr("force[3]"))));
+    EXPECT_THAT(text, AllOf(StartsWith("digraph cycle_0 {\n    rankdir=LR;\n"), HasSubstr("    { rank=same; t"),
+                            HasSubstr(" [label=\"force[2]\"]"), testing::Not(HasSubstr("force[3]"))));
 }
 
 TEST_F(LabCommands, DotDrawsTheCyclesOfAMethodByTheirTasks) {
     const std::string kick = run({"dot", "tiny", "--segments", "3", "--method", "leapfrog-sweep", "--cycle", "friction"}).out;
     EXPECT_THAT(kick, AllOf(StartsWith("digraph "), HasSubstr("friction[2]"), testing::Not(HasSubstr("record"))));
     const std::string solve = run({"dot", "tiny", "--method", "trapezoidal-full", "--cycle", "backward"}).out;
-    EXPECT_THAT(solve, AllOf(HasSubstr("label=\"forward[0]\""), HasSubstr("label=\"join\"")));
+    EXPECT_THAT(solve, AllOf(HasSubstr("label=\"forward[0]\""), HasSubstr("label=\"join\""),
+                             testing::ContainsRegex("\n    t[0-9]+ -> t[0-9]+;\n")));
 }
 
 class BeltCommand : public Program {};

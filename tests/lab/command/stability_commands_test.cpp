@@ -66,8 +66,9 @@ TEST_F(StabilityCommands, StabilityOfATableOnASceneIsPredictedAndMeasured) {
 }
 
 TEST_F(StabilityCommands, SpectrumKnowsTheLongestStepOfMethodsThatAreNoTables) {
-    const Outcome outcome = run(
-        std::vector<std::string>{"spectrum", "tiny", "--method", "leapfrog-sweep", "--extremal", "-q", "-o", "s", "--json"} + brief_settling);
+    const Outcome outcome =
+        run(std::vector<std::string>{"spectrum", "tiny", "--method", "leapfrog-sweep", "--extremal", "-q", "-o", "s", "--json"} +
+            brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  largest stable step [0-9.]+ us \\(oscillation of .*\\)\n"));
     const auto json = nlohmann::json::parse(read("s/spectrum.json"));

@@ -8,14 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "bench/lab/choice.hpp"
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/plot/plot.hpp"
-#include "bench/lab/text/text.hpp"
+#include "bench/lab/show.hpp"
 #include "bench/method/implicit/catalogue.hpp"
 #include "bench/method/implicit/linear_plan.hpp"
 #include "bench/study/error_measure.hpp"
 #include "tasks/run/run.hpp"
-#include "tasks/scene/csv.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
@@ -41,186 +40,55 @@ struct ComparedChoice {
     [[nodiscard]] double mean_step() const { return run.simulated / static_cast<double>(std::max(1L, run.counters.steps)); }
 };
 
-/// Settings of the measurement.
-struct CompareSetting {
-    std::string scene;
-    std::string reference, duration, interval;  ///< options in the user's words
-    WatchResult reference_watch;
-    int rounds = 0;
-    bool newton = false;          ///< columns of Newton's method
-    std::optional<PinEntry> pin;  ///< pin whose force is compared
-};
-
-using ChoiceColumn = ReportColumn<ComparedChoice>;
-using ChoiceColumns = std::vector<ChoiceColumn>;
-using nlohmann::ordered_json;
-
-std::string error_cell(double error) { return std::isnan(error) ? "-" : std::isfinite(error) ? fmt::format("{:.1e}", error) : "lost"; }
-
-/// A column of errors. @param of a function of a choice
-template <class Of>
-ChoiceColumn error_column(const std::string& key, const std::string& heading, Of of) {
-    return {key, heading, [of](const ComparedChoice& c) { return of(c); }, [of](const ComparedChoice& c) { return error_cell(of(c)); }};
-}
-
-void add_costs(ChoiceColumns& columns, const ComparedChoice& first) {
-    const auto fewer = [evaluations = first.run.evaluations_per_second()](const ComparedChoice& c) {
-        return evaluations / c.run.evaluations_per_second();
-    };
-    const auto faster = [seconds = first.median()](const ComparedChoice& c) { return seconds / c.median(); };
-    columns.insert(columns.end(),
-                   {{"method", "method", [](const ComparedChoice& c) { return c.choice; }, [](const ComparedChoice& c) { return c.choice; },
-                     Align::left},
-                    {"mean_step", "mean step", [](const ComparedChoice& c) { return c.mean_step(); },
-                     [](const ComparedChoice& c) { return time_text(c.mean_step()); }},
-                    {"steps", "", [](const ComparedChoice& c) { return c.run.counters.steps; }},
-                    {"evaluations", "evaluations", [](const ComparedChoice& c) { return c.run.counters.evaluations; },
-                     [](const ComparedChoice& c) { return count_text(c.run.counters.evaluations); }},
-                    {"transitions", "", [](const ComparedChoice& c) { return c.run.counters.detected; }},
-                    {"evaluations_per_second", "per second", [](const ComparedChoice& c) { return c.run.evaluations_per_second(); },
-                     [](const ComparedChoice& c) { return fmt::format("{:.3g}", c.run.evaluations_per_second()); }},
-                    {"wall_seconds_per_second", "wall s/s", [](const ComparedChoice& c) { return c.median(); },
-                     [](const ComparedChoice& c) { return fmt::format("{:.4g}", c.median()); }},
-                    {"fewer_by", "fewer", fewer, [fewer](const ComparedChoice& c) { return fmt::format("{:.2f}", fewer(c)); }},
-                    {"faster_by", "faster", faster, [faster](const ComparedChoice& c) { return fmt::format("{:.2f}", faster(c)); }}});
-}
-
-void add_errors(ChoiceColumns& columns, bool pin) {
-    columns.push_back(error_column("error_axial_force", "axial force", [](const ComparedChoice& c) { return c.errors.axial_force; }));
-    columns.push_back(error_column("error_tension", "tension", [](const ComparedChoice& c) { return c.errors.tension; }));
-    columns.push_back(error_column("error_slip", "slip", [](const ComparedChoice& c) { return c.errors.slip; }));
-    columns.push_back(error_column("error_losses", "losses", [](const ComparedChoice& c) { return c.errors.losses; }));
-    if (pin) columns.push_back(error_column("error_pin", "pin", [](const ComparedChoice& c) { return c.pin_error; }));
-}
-
-/// A figure of Newton's method; nothing for other methods.
-template <class Of>
-ChoiceColumn newton_column(const std::string& key, const std::string& heading, Of of) {
-    return {key, heading, [of](const ComparedChoice& c) { return c.run.newton ? ordered_json(of(*c.run.newton)) : ordered_json(); },
-            [of](const ComparedChoice& c) { return c.run.newton ? fmt::format("{:.3g}", static_cast<double>(of(*c.run.newton))) : ""; }};
-}
-
-void add_newton(ChoiceColumns& columns) {
-    using Newton = bench::NewtonStatistics;
-    const auto per_step = [](long Newton::*count) {
-        return [count](const Newton& n) { return static_cast<double>(n.*count) / static_cast<double>(std::max(1L, n.steps)); };
-    };
-    columns.push_back(newton_column("newton_iterations", "iterations", per_step(&Newton::iterations)));
-    columns.push_back(newton_column("newton_most", "most", [](const Newton& n) { return n.most; }));
-    columns.push_back(newton_column("newton_jacobians", "Jacobians", per_step(&Newton::jacobians)));
-    columns.push_back(newton_column("newton_halvings", "halvings", per_step(&Newton::backtracks)));
-    columns.push_back(newton_column("newton_fell_back", "fell back", [](const Newton& n) { return n.refreshed; }));
-    columns.push_back(newton_column("newton_unconverged", "unconverged", [](const Newton& n) { return n.unconverged; }));
-}
-
-/// ChoiceColumns of watch_json(), from a run or from the confirmation. @param prefix of their keys
-template <class Of>
-void add_watch(ChoiceColumns& columns, const std::string& prefix, Of of) {
-    for (const char* key : {"status", "residual", "error_ratio", "pin_periods", "long_enough", "mean_slip", "efficiency"})
-        columns.push_back({prefix + key, "", [of, key](const ComparedChoice& c) {
-                               const ordered_json watch = of(c);
-                               return watch.contains(key) ? watch[key] : ordered_json();
-                           }});
-}
-
-ChoiceColumns columns_of(const ComparedChoice& first, const CompareSetting& setting) {
-    ChoiceColumns columns;
-    add_costs(columns, first);
-    add_errors(columns, setting.pin.has_value());
-    if (setting.newton) add_newton(columns);
-    const auto watch = [](const ComparedChoice& c) { return watch_json(c.run.fault, c.run.watch); };
-    columns.push_back({"", "residual", {}, [](const ComparedChoice& c) { return residual_cell(c.run.fault, c.run.watch); }});
-    columns.push_back({"", "status", {}, [](const ComparedChoice& c) { return c.run.watch.status(c.run.fault); }, Align::left});
-    add_watch(columns, "", watch);
-    return columns;
-}
-
 double ComparedChoice::median() const {
     std::vector<double> sorted = seconds;
     std::sort(sorted.begin(), sorted.end());
     return sorted[sorted.size() / 2];
 }
 
-std::string compare_table(const std::vector<ComparedChoice>& choices, const CompareSetting& setting) {
-    return report_table(columns_of(choices.front(), setting), choices);
+/// Status and figures of a run; of a run that failed the status alone, the others are unknown.
+Json watch_json(const tasks::Fault& fault, const WatchResult& watch) {
+    const auto known = [&](const Json& value) { return fault ? Json() : value; };
+    return named("status,residual,error_ratio,pin_periods,long_enough,mean_slip,efficiency",
+                 {watch.status(fault), known(watch.residual), known(watch.balance_error_ratio), known(watch.pin_periods()),
+                  known(watch.long_enough()), known(watch.means.slip), known(watch.means.efficiency)});
 }
 
-std::string compare_csv(const std::vector<ComparedChoice>& choices, const CompareSetting& setting) {
-    return report_csv(columns_of(choices.front(), setting), choices);
-}
-
-std::string compare_json(const std::vector<ComparedChoice>& choices, const CompareSetting& setting) {
-    ordered_json json{{"scene", setting.scene},         {"provenance", provenance_json()},
-                      {"reference", setting.reference}, {"reference_watch", watch_json({}, setting.reference_watch)},
-                      {"duration", setting.duration},   {"interval", setting.interval},
-                      {"rounds", setting.rounds}};
-    if (setting.pin) json.update(ordered_json{{"pin", setting.pin->pin}, {"entry", setting.pin->time}});
-    json["choices"] = report_json(columns_of(choices.front(), setting), choices);
-    return json_text(json);
-}
-
-/// Colours repeat after eight.
-Line line_of(std::size_t series) { return series < 8 ? Line::solid : Line::dashed; }
-
-Plot empty_plot(const CompareSetting& setting, const std::string& quantity) {
-    Plot plot;
-    plot.title = fmt::format("{} of pin {}", quantity, setting.pin->pin);
-    plot.subtitle = setting.scene + ", on the sheave at -z";
-    if (setting.pin->time > 0.0) plot.subtitle += fmt::format("; the pin enters the driving sheaves at {}", time_text(setting.pin->time));
-    plot.x = {"time [ms]", Scale::linear, 1.0, {}, {}};
-    plot.y = {quantity + " [N]", Scale::linear, 1.0, {}, {}};
-    return plot;
-}
-
-/// Time since the start and the force on the sheave at -z, a column for the reference and for each choice that came to the end.
-std::string pin_csv(const std::vector<ComparedChoice>& choices, const Trajectory& reference, const CompareSetting& setting) {
-    std::string text = "time,reference";
-    std::vector<std::vector<double>> columns{reference.pin_axial(setting.pin->pin, 0)};
-    for (const ComparedChoice& choice : choices) {
-        if (choice.run.fault) continue;
-        text += "," + tasks::csv_cell(choice.choice, true);
-        columns.push_back(choice.run.pin_axial(setting.pin->pin, 0));
-    }
-    text += "\n";
-    for (std::size_t row = 0; row < reference.times.size(); ++row) {
-        text += fmt::format("{:.9g}", reference.times[row]);
-        for (const auto& column : columns) text += fmt::format(",{:.9g}", column[row]);
-        text += "\n";
-    }
-    return text;
-}
-
-Plot pin_plot(const std::vector<ComparedChoice>& choices, const Trajectory& reference, const CompareSetting& setting) {
-    Plot plot = empty_plot(setting, "Axial force");
-    const auto add = [&](const std::string& name, const Trajectory& run, const std::string& colour, Line line, double width) {
-        Series series{name, {}, Mark::none, line, colour, width};
-        const std::vector<double> force = run.pin_axial(setting.pin->pin, 0);
-        for (std::size_t k = 0; k < force.size(); ++k) series.points.push_back({1e3 * run.times[k], force[k]});
-        plot.series.push_back(std::move(series));
+/// How Newton's method converged; unknown of other methods.
+Json newton_json(const std::optional<NewtonStatistics>& newton) {
+    const auto per_step = [&](long NewtonStatistics::*count) {
+        return newton ? Json(static_cast<double>((*newton).*count) / static_cast<double>(std::max(1L, newton->steps))) : Json();
     };
-    add("reference", reference, "#bbbbbb", Line::solid, 5.0);  // below the others, which mostly hide one another
-    for (const ComparedChoice& choice : choices) {
-        const std::size_t number = plot.series.size() - 1;
-        if (!choice.run.fault) add(choice.choice, choice.run, palette(number), line_of(number), 1.6);
-    }
-    return plot;
+    const auto known = [&](auto NewtonStatistics::*count) { return newton ? Json((*newton).*count) : Json(); };
+    using Newton = NewtonStatistics;
+    return named("newton_iterations,newton_most,newton_jacobians,newton_halvings,newton_fell_back,newton_unconverged",
+                 {per_step(&Newton::iterations), known(&Newton::most), per_step(&Newton::jacobians), per_step(&Newton::backtracks),
+                  known(&Newton::refreshed), known(&Newton::unconverged)});
 }
 
-/// Distance from the reference.
-Plot pin_error_plot(const std::vector<ComparedChoice>& choices, const Trajectory& reference, const CompareSetting& setting) {
-    Plot plot = empty_plot(setting, "Error of the axial force");
-    plot.y.label = "|force - reference| [N]";
-    plot.y.scale = Scale::logarithmic;
-    const std::vector<double> should = reference.pin_axial(setting.pin->pin, 0);
-    for (const ComparedChoice& choice : choices) {
-        if (choice.run.fault) continue;
-        Series series{choice.choice, {}, Mark::none, line_of(plot.series.size()), ""};
-        const std::vector<double> force = choice.run.pin_axial(setting.pin->pin, 0);
-        for (std::size_t k = 0; k < should.size(); ++k)
-            series.points.push_back({1e3 * choice.run.times[k], std::abs(force[k] - should[k])});
-        plot.series.push_back(std::move(series));
-    }
-    return plot;
+/// A row of the table. @param first  choice that the ratios refer to
+Json choice_json(const ComparedChoice& choice, const ComparedChoice& first, bool pin, bool newton) {
+    const Trajectory& run = choice.run;
+    Json row = named(
+        "method,mean_step,steps,evaluations,transitions,evaluations_per_second,wall_seconds_per_second,fewer_by,faster_by,"
+        "error_axial_force,error_tension,error_slip,error_losses",
+        {choice.choice, choice.mean_step(), run.counters.steps, run.counters.evaluations, run.counters.detected,
+         number_json(run.evaluations_per_second()), number_json(choice.median()),
+         number_json(first.run.evaluations_per_second() / run.evaluations_per_second()), number_json(first.median() / choice.median()),
+         number_json(choice.errors.axial_force), number_json(choice.errors.tension), number_json(choice.errors.slip),
+         number_json(choice.errors.losses)});
+    if (pin) row["error_pin"] = number_json(choice.pin_error);
+    if (newton) row.update(newton_json(run.newton));
+    row.update(watch_json(run.fault, run.watch));
+    return row;
+}
+
+/// Force of a pin on the sheave at -z over the time since the start: of the reference and of each choice that came to the end.
+Json force_json(const std::vector<ComparedChoice>& choices, const Trajectory& reference, int pin) {
+    Json courses = Json::array();
+    for (const ComparedChoice& choice : choices)
+        if (!choice.run.fault) courses.push_back(Json::array({choice.choice, choice.run.pin_axial(pin, 0)}));
+    return {{"times", reference.times}, {"reference", reference.pin_axial(pin, 0)}, {"choices", std::move(courses)}};
 }
 
 struct CompareArguments {
@@ -292,46 +160,27 @@ std::vector<ComparedChoice> measure_all(const CompareArguments& arguments, const
 
 /// Prints faults and warnings.
 void complain(const std::string& choice, const Trajectory& run) {
-    const std::string remark = run.fault ? run.fault.message() : unreliable_remark(run.fault, run.watch);
-    if (!remark.empty()) print_error(choice + ": " + remark);
-}
-
-void write_files(const CompareArguments& arguments, const std::vector<ComparedChoice>& choices, const Trajectory& reference,
-                 const CompareSetting& setting) {
-    OutputFolder folder(arguments.output);
-    folder.write("compare_" + setting.scene + ".csv", compare_csv(choices, setting));
-    folder.write("compare_" + setting.scene + ".json", compare_json(choices, setting));
-    if (setting.pin) {
-        folder.write("pin-force.csv", pin_csv(choices, reference, setting));
-        folder.write("pin-force.svg", svg(pin_plot(choices, reference, setting)));
-        folder.write("pin-force-error.svg", svg(pin_error_plot(choices, reference, setting)));
+    if (run.fault || run.watch.reliable()) {
+        if (run.fault) print_error(choice + ": " + run.fault.message());
+        return;
     }
-    fmt::print("{}", folder.written());
+    print_error(fmt::format("{}: unreliable: the residual of the energy balance is {:.2g} times the tolerance", choice,
+                            run.watch.balance_error_ratio));
 }
 
-void report(const CompareArguments& arguments, const std::vector<ComparedChoice>& choices, const Trajectory& reference,
-            const CompareSetting& setting) {
-    fmt::print("{}: errors against {} over {} from the settled start, {} transitions; {}; medians of {}, alternating\n", setting.scene,
-               setting.reference, setting.duration, reference.counters.detected, reference.schedule, plural(setting.rounds, "round"));
-    if (setting.pin && arguments.pin == "first")
-        fmt::print("{}", field("pin", fmt::format("{}, enters the driving sheaves at {}", setting.pin->pin, time_text(setting.pin->time))));
-    if (!setting.pin && !arguments.pin.empty()) fmt::print("{}", field("pin", "none enters the driving sheaves in this time"));
-    fmt::print("{}", compare_table(choices, setting));
-    const std::string brief = too_short(reference.watch);
-    if (!brief.empty()) fmt::print("{}", field("too short", brief));
-    write_files(arguments, choices, reference, setting);
-}
-
-CompareSetting setting_of(const CompareArguments& arguments, const std::string& scene, const Trajectory& reference) {
-    CompareSetting setting;
-    setting.scene = scene;
-    setting.reference = arguments.reference;
-    setting.duration = arguments.duration;
-    setting.interval = arguments.interval;
-    setting.reference_watch = reference.watch;
-    setting.rounds = arguments.rounds;
-    setting.newton = arguments.newton;
-    return setting;
+Json results_of(const CompareArguments& arguments, const std::vector<ComparedChoice>& choices, const Trajectory& reference,
+                const std::string& scene, const std::optional<PinEntry>& pin) {
+    Json file = named("scene,provenance,reference,reference_watch,duration,interval,rounds",
+                      {scene, provenance_json(), arguments.reference, watch_json({}, reference.watch), arguments.duration,
+                       arguments.interval, arguments.rounds});
+    if (pin) file["pin"] = pin->pin, file["entry"] = pin->time;
+    for (const ComparedChoice& choice : choices)
+        file["choices"].push_back(choice_json(choice, choices.front(), pin.has_value(), arguments.newton));
+    const WatchResult& watch = reference.watch;
+    return named(
+        "file,transitions,schedule,asked_pin,force,compared_time,enough_pin_periods,enough_time",
+        {file, reference.counters.detected, reference.schedule, arguments.pin, pin ? force_json(choices, reference, pin->pin) : Json(),
+         watch.duration, enough_pin_periods, enough_pin_periods * watch.pin_period});
 }
 
 ExitStatus run_compare(const CompareArguments& arguments) try {
@@ -346,17 +195,15 @@ ExitStatus run_compare(const CompareArguments& arguments) try {
     require_pin(arguments.pin, scene.parameters.chain.pins);
     settings.start = settled(arguments, scene);
     const ErrorMeasure measure(scene, settings, cancel);
-    CompareSetting setting = setting_of(arguments, scene.name, measure.reference());
-    setting.pin = pin_of(arguments.pin, measure.reference(), scene.parameters);
+    const std::optional<PinEntry> pin = pin_of(arguments.pin, measure.reference(), scene.parameters);
     complain("the reference, " + arguments.reference, measure.reference());
     std::vector<ComparedChoice> choices = measure_all(arguments, measure, cancel);
     if (choices.empty()) return ExitStatus::cancelled;
     for (ComparedChoice& choice : choices) {
-        if (setting.pin) choice.pin_error = pin_error(choice.run, measure.reference(), setting.pin->pin);
+        if (pin) choice.pin_error = pin_error(choice.run, measure.reference(), pin->pin);
         complain(choice.choice, choice.run);
     }
-    report(arguments, choices, measure.reference(), setting);
-    return ExitStatus::finished;
+    show("compare", results_of(arguments, choices, measure.reference(), scene.name, pin), arguments.output);
 } catch (const tasks::SimulationError&) {  // a reference that was interrupted
     if (catch_interrupts().requested()) return ExitStatus::cancelled;
     throw;

@@ -12,12 +12,9 @@ namespace cvtflow::bench {
                                      const tasks::FrozenStart& start) {
     const StableStep predicted = largest_stable_step(plan, values);
     const MeasuredStep measured = measured_stable_step(variator, plan, start, predicted.step, extent_of(values).growth);
-    return {{"method", plan.name},
-            {"predicted", predicted.step},
-            {"limiting", {predicted.limiting.real(), predicted.limiting.imag()}},
-            {"measured", measured.limit()},
-            {"measured_stable", measured.stable},
-            {"measured_unstable", measured.unstable}};
+    return named("method,predicted,limiting,measured,measured_stable,measured_unstable",
+                 {plan.name, predicted.step, Json::array({predicted.limiting.real(), predicted.limiting.imag()}), measured.limit(),
+                  measured.stable, measured.unstable});
 }
 
 }  // namespace cvtflow::bench

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/lab/choice.hpp"
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/settled_start.hpp"
 #include "bench/lab/show.hpp"
@@ -17,7 +18,6 @@
 #include "bench/study/method_run.hpp"
 #include "bench/study/stability/frozen_step.hpp"
 #include "tasks/method/method.hpp"
-#include "tasks/scene/units.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
@@ -40,14 +40,7 @@ struct LocalErrorArguments {
 /// "80ns, 4e-8" → descending seconds.
 std::vector<double> read_steps(const std::string& list) {
     std::vector<double> steps;
-    for (const std::string& word : CLI::detail::split(list, ',')) {
-        const auto parsed = tasks::parse_quantity(word);
-        const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
-        const bool time = quantity != nullptr && (!quantity->has_unit || quantity->dimension == tasks::dimension_of("s"));
-        if (!time || !(quantity->value > 0.0))
-            throw UsageError(fmt::format("--steps {}: '{}' is not a time above 0, such as 40ns", list, word));
-        steps.push_back(quantity->value);
-    }
+    for (const std::string& word : CLI::detail::split(list, ',')) steps.push_back(read_time("--steps " + list, word));
     std::sort(steps.rbegin(), steps.rend());
     return steps;
 }
@@ -69,16 +62,11 @@ Json curve_of(const std::string& method, const std::string& friction, const std:
     const tasks::MethodProgram* program = found.program();
     Json rows = Json::array();
     for (const LocalError& error : errors)
-        rows.push_back({{"step", error.step},
-                        {"positions", number_json(error.positions)},
-                        {"velocities", number_json(error.velocities)},
-                        {"axial_force", number_json(error.axial_force)},
-                        {"tension", number_json(error.tension)}});
-    return {{"method", method},
-            {"friction", friction},
-            {"order", program != nullptr ? program->order : order_of(found.plan())},
-            {"held", program == nullptr},  // phases
-            {"errors", std::move(rows)}};
+        rows.push_back(
+            named("step,positions,velocities,axial_force,tension", {error.step, number_json(error.positions), number_json(error.velocities),
+                                                                    number_json(error.axial_force), number_json(error.tension)}));
+    return named("method,friction,order,held,errors",  // held: phases
+                 {method, friction, program != nullptr ? program->order : order_of(found.plan()), program == nullptr, rows});
 }
 
 ExitStatus local_error(const LocalErrorArguments& arguments) {

@@ -63,10 +63,7 @@ Eigenvalues find_values(Json& results, std::vector<double> matrix, int unknowns,
 }
 
 Json extent_json(const Extent& extent) {
-    return {{"max_decay", extent.decay},
-            {"max_oscillation", extent.oscillation},
-            {"below_1e6", extent.below_1e6},
-            {"below_1e7", extent.below_1e7}};
+    return named("max_decay,max_oscillation,below_1e6,below_1e7", {extent.decay, extent.oscillation, extent.below_1e6, extent.below_1e7});
 }
 
 /// The largest stable step: of a table of stages, predicted and measured; else the one that `check` states.
@@ -121,16 +118,10 @@ ExitStatus run_spectrum(const SpectrumArguments& arguments) {
         find_values(results, jacobian(variator, start.time, start.state, start.phases), unknowns, arguments.extremal, report);
     const Extent extent = extent_of(values);
     results["polynomial"] = polynomial_for(extent, step);
-    results["file"] = {{"scene", scene.name},
-                       {"provenance", provenance_json()},
-                       {"time", start.time},
-                       {"friction", model::friction_law_names[static_cast<std::size_t>(scene.parameters.detail.friction)]},
-                       {"touching", touching_tips(start)},
-                       {"unknowns", unknowns},
-                       {"complete", !arguments.extremal},
-                       {"tight_tension", seen.tight},
-                       {"slack_tension", seen.slack},
-                       {"extent", extent_json(extent)}};
+    results["file"] = named(
+        "scene,provenance,time,friction,touching,unknowns,complete,tight_tension,slack_tension,extent",
+        {scene.name, provenance_json(), start.time, model::friction_law_names[static_cast<std::size_t>(scene.parameters.detail.friction)],
+         touching_tips(start), unknowns, !arguments.extremal, seen.tight, seen.slack, extent_json(extent)});
     Json& file = results["file"];
     if (!arguments.extremal) file["growth"] = {{"growing", extent.growing}, {"largest", extent.growth}};
     file["method"] = method;

@@ -71,9 +71,7 @@ Json stability_map(const engine::StagePlan& plan, double real, double imaginary,
         const bool grows = std::log(std::abs(factor(z))) / step > std::max(value.real(), 0.0) + growth_rate_tolerance;
         (grows ? growing : damped).push_back(z);
     }
-    return {
-        {"x", x},      {"y", y}, {"symlog", symlog}, {"inside", inside}, {"values", values_json(damped)}, {"growing", values_json(growing)},
-        {"step", step}};
+    return named("x,y,symlog,inside,values,growing,step", {x, y, symlog, inside, values_json(damped), values_json(growing), step});
 }
 
 struct StabilityArguments {
@@ -120,11 +118,10 @@ Ground ground_of(const StabilityArguments& arguments) {
 /// of their errors over the scene's decays at that limit. "row": of stability.csv.
 Json stability_of(const engine::StagePlan& plan, const StabilityArguments& arguments, const std::optional<Ground>& ground) {
     const double real = bench::real_stability(plan), imaginary = bench::imaginary_stability(plan);
-    Json row{{"method", plan.name},    {"stages", plan.stages.size()}, {"real", real},
-             {"imaginary", imaginary}, {"ray_1", ray(plan, 0.01)},     {"ray_5", ray(plan, 0.05)}};
-    for (const char* key :
-         {"stage_growth", "gain", "predicted", "limiting_real", "limiting_imaginary", "measured_stable", "measured_unstable"})
-        row[key] = nullptr;
+    Json row = named(
+        "method,stages,real,imaginary,ray_1,ray_5,stage_growth,gain,predicted,limiting_real,limiting_imaginary,measured_stable,"
+        "measured_unstable",
+        {plan.name, plan.stages.size(), real, imaginary, ray(plan, 0.01), ray(plan, 0.05), {}, {}, {}, {}, {}, {}, {}});
     Json result;
     double step = 1.0;
     if (ground) {

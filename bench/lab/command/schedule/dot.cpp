@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/text/text.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tools/program/arguments.hpp"
@@ -45,6 +44,29 @@ int cycle_named(const engine::TaskGraph& graph, const std::string& name, const s
         names.push_back(known);
     }
     throw UsageError(fmt::format("--cycle {}: a step of {} has {}", name, method, fmt::join(names, ", ")));
+}
+
+std::string quoted(const std::string& text) {
+    std::string result = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') result += '\\';
+        result += c;
+    }
+    return result + '"';
+}
+
+/// One cycle of a frozen graph, levels from left to right.
+std::string to_dot(const engine::TaskGraph& graph, int cycle) {
+    std::string text = fmt::format("digraph cycle_{} {{\n    rankdir=LR;\n    node [shape=box];\n", cycle);
+    for (int level = 0; level < graph.levels(cycle); ++level) {
+        text += "    { rank=same;";
+        for (const int task : graph.level(cycle, level)) text += fmt::format(" t{} [label={}];", task, quoted(graph.task(task).name));
+        text += " }\n";
+    }
+    for (const int task : graph.topological(cycle)) {
+        for (const int after : graph.successors(task)) text += fmt::format("    t{} -> t{};\n", task, after);
+    }
+    return text + "}\n";
 }
 
 ExitStatus dot(const DotArguments& arguments) {

@@ -1,4 +1,4 @@
-/// cvtflow-lab granularity: efficiency of executors against the length of tasks, as text, CSV and pictures.
+/// cvtflow-lab granularity: efficiency of executors against the length of tasks.
 
 #include <fmt/format.h>
 
@@ -12,11 +12,8 @@
 
 #include "bench/executor/further_executors.hpp"
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/plot/plot.hpp"
+#include "bench/lab/show.hpp"
 #include "bench/study/granularity/granularity.hpp"
-#include "bench/study/profile/report.hpp"
-#include "engine/base/provenance.hpp"
-#include "tasks/scene/csv.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/text/text.hpp"
@@ -27,99 +24,23 @@ using namespace tools;
 
 namespace {
 
-/// Whether the shortest tasks reach an efficiency of 50 %.
-bool all_effective(const std::vector<GranularityPoint>& curve) {
-    return !curve.empty() && effective_granularity(curve) == curve.front().length;
-}
-
-std::string granularity_cell(const std::vector<GranularityPoint>& curve) {
-    const double length = effective_granularity(curve);
-    if (!std::isfinite(length)) return "-";
-    return fmt::format("{}{:.3g}", all_effective(curve) ? "<" : "", 1e6 * length);
-}
-
-std::string conditions(const Granularity& result) {
-    const engine::Provenance here = engine::current_provenance();
-    return fmt::format("{} threads on {}; calibration got {:.2f} of {} processors{}; commit {}", result.requested, here.cpu,
-                       result.calibrated, result.requested, result.crowded() ? ", other processes are busy" : "", here.commit);
-}
-
-/// Colours repeat after eight.
-Line line_of_curve(std::size_t series) { return series < 8 ? Line::solid : Line::dashed; }
-
-std::string in_quotes(const std::string& text) { return tasks::csv_cell(text, true, true); }
-
-/// METG(50 %) of every executor (rows) by number of tasks (columns) [us]; "<0.1": the shortest tasks sufficed; "-": none was long enough.
-std::string granularity_table(const Granularity& result) {
-    std::vector<Table::Column> columns{{"executor"}};
-    for (const int tasks : result.tasks()) columns.push_back({fmt::format("M = {}", tasks), Align::right});
-    Table table(columns);
-    for (const std::string& executor : result.executors()) {
-        std::vector<std::string> cells{executor};
-        for (const int tasks : result.tasks()) cells.push_back(granularity_cell(result.curve(executor, tasks)));
-        table.add(cells);
-    }
-    return table.text(2);
-}
-
-/// A row per point, provenance in every row.
-std::string granularity_csv(const Granularity& result) {
-    std::string text =
-        "executor,threads,tasks,length_us,efficiency,efficiency_lower_quartile,efficiency_upper_quartile,cycle_us,ideal_us,calibrated,"
-        "processors,commit,compiler,flags,runtimes,cpu,cores,date\n";
-    const engine::Provenance here = engine::current_provenance();
-    const std::string provenance = fmt::format("{:.3f},{},{},{},{},{},{},{},{}", result.calibrated, result.requested, here.commit,
-                                               in_quotes(here.compiler + " " + here.build_type), in_quotes(compiler_flags()),
-                                               in_quotes(bench::runtime_versions()), in_quotes(here.cpu), here.cores, here.date);
-    for (const GranularityPoint& point : result.points) {
-        const Spread& efficiency = point.efficiency;
-        text += fmt::format("{},{},{},{:.4g},{:.5f},{:.5f},{:.5f},{:.5g},{:.5g},{}\n", point.executor, point.threads, point.tasks,
-                            1e6 * point.length, efficiency.median, efficiency.lower_quartile, efficiency.upper_quartile, 1e6 * point.cycle,
-                            1e6 * point.ideal, provenance);
-    }
-    return text;
-}
-
-/// Efficiency against length, a curve per executor: one picture for every number of tasks.
-std::vector<Plot> efficiency_plots(const Granularity& result) {
-    std::vector<Plot> plots;
-    for (const int tasks : result.tasks()) {
-        Plot plot;
-        plot.title = fmt::format("Efficiency against the length of a task, {} per level", plural(tasks, "task"));
-        plot.subtitle = conditions(result);
-        plot.x = {"length of a task [us]", Scale::logarithmic, 1.0, {}, {}};
-        plot.y = {"efficiency", Scale::linear, 1.0, 0.0, 1.1};
-        for (const std::string& executor : result.executors()) {
-            Series series{executor, {}, Mark::small_dot, line_of_curve(plot.series.size()), ""};
-            for (const GranularityPoint& point : result.curve(executor, tasks))
-                series.points.push_back({1e6 * point.length, point.efficiency.median});
-            plot.series.push_back(std::move(series));
-        }
-        plots.push_back(std::move(plot));
-    }
-    return plots;
-}
-
-/// METG(50 %) against the number of tasks, a curve per executor.
-Plot granularity_plot(const Granularity& result) {
-    Plot plot;
-    plot.title = "Shortest tasks with half of the efficiency: METG(50 %)";
-    plot.subtitle = conditions(result) + "; triangles: upper bounds";
-    plot.x = {"tasks per level", Scale::logarithmic, 1.0, {}, {}};
-    plot.y = {"METG(50 %) [us]", Scale::logarithmic, 1.0, {}, {}};
-    std::vector<Series> bounds;
-    for (const std::string& executor : result.executors()) {
-        Series series{executor, {}, Mark::dot, line_of_curve(plot.series.size()), palette(plot.series.size())};
-        Series bound{"", {}, Mark::triangle, Line::none, series.colour};
+/// All points, and the shortest tasks with an efficiency of 50 %; "is_bound": those of the curve's beginning, so they may be shorter.
+Json granularity_json(const Granularity& result, int rounds) {
+    Json points = Json::array(), shortest = Json::array();
+    for (const GranularityPoint& point : result.points)
+        points.push_back(
+            named("executor,threads,tasks,length_us,efficiency,efficiency_lower_quartile,efficiency_upper_quartile,cycle_us,ideal_us",
+                  {point.executor, point.threads, point.tasks, 1e6 * point.length, point.efficiency.median, point.efficiency.lower_quartile,
+                   point.efficiency.upper_quartile, 1e6 * point.cycle, 1e6 * point.ideal}));
+    for (const std::string& executor : result.executors())
         for (const int tasks : result.tasks()) {
             const std::vector<GranularityPoint> curve = result.curve(executor, tasks);
-            (all_effective(curve) ? bound : series).points.push_back({static_cast<double>(tasks), 1e6 * effective_granularity(curve)});
+            const double length = effective_granularity(curve);
+            shortest.push_back(named("executor,tasks,length,is_bound",
+                                     {executor, tasks, number_json(length), !curve.empty() && length == curve.front().length}));
         }
-        plot.series.push_back(std::move(series));
-        if (!bound.points.empty()) bounds.push_back(std::move(bound));
-    }
-    plot.series.insert(plot.series.end(), bounds.begin(), bounds.end());
-    return plot;
+    return named("rounds,machine,requested,calibrated,crowded,points,shortest",
+                 {rounds, machine_json(), result.requested, result.calibrated, result.crowded(), points, shortest});
 }
 
 struct GranularityArguments {
@@ -134,18 +55,6 @@ struct GranularityArguments {
 const std::map<std::string, engine::Wait> ways_to_wait{
     {"spin", engine::Wait::spin}, {"balanced", engine::Wait::balanced}, {"passive", engine::Wait::passive}};
 
-std::string heading(const Granularity& result, const GranularityOptions& options) {
-    const engine::Provenance here = engine::current_provenance();
-    return fmt::format("METG(50 %) [us]: shortest task length with an efficiency of 50 %; medians of {}\n",
-                       plural(options.rounds, "round")) +
-           field("machine", fmt::format("{}, {}", here.cpu, plural(here.cores, "core"))) +
-           field("program", fmt::format("cvtflow {} ({}), {} {}", here.version, here.commit, here.compiler, here.build_type)) +
-           field("libraries", bench::runtime_versions()) +
-           field(result.crowded() ? "crowded" : "quiet",
-                 fmt::format("calibration got {:.2f} of {}{}", result.calibrated, plural(result.requested, "processor"),
-                             result.crowded() ? ": other processes are busy and affect these figures" : ""));
-}
-
 ExitStatus granularity(const GranularityArguments& arguments) {
     GranularityOptions options = arguments.options;
     options.wait = ways_to_wait.at(arguments.wait);
@@ -156,13 +65,7 @@ ExitStatus granularity(const GranularityArguments& arguments) {
     const Granularity result = measure_granularity(options, [&](const std::string& line) {
         if (!arguments.quiet) print_error(line);
     });
-    fmt::print("{}\n{}", heading(result, options), granularity_table(result));
-    OutputFolder folder(arguments.output);
-    folder.write("granularity.csv", granularity_csv(result));
-    folder.write("granularity.svg", svg(granularity_plot(result)));
-    folder.write("efficiency.svg", svg(efficiency_plots(result)));
-    fmt::print("{}", folder.written());
-    return ExitStatus::finished;
+    show("granularity", granularity_json(result, options.rounds), arguments.output);
 }
 
 constexpr const char* granularity_explanation =

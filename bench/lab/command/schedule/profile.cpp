@@ -3,24 +3,20 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <memory>
-#include <numeric>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "bench/executor/further_executors.hpp"
 #include "bench/lab/command/command.hpp"
-#include "bench/lab/plot/plot.hpp"
+#include "bench/lab/show.hpp"
 #include "bench/study/profile/other_load.hpp"
 #include "bench/study/profile/profile.hpp"
-#include "bench/study/profile/report.hpp"
-#include "engine/base/provenance.hpp"
-#include "engine/executor/catalogue.hpp"
+#include "bench/study/profile/trace.hpp"
+#include "engine/base/hash.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
@@ -32,239 +28,97 @@ using namespace tools;
 
 namespace {
 
-std::string microseconds(double seconds) { return fmt::format("{:.2f}", 1e6 * seconds); }
-
-std::string factor(double value) { return value >= 0.1 ? fmt::format("{:.2f}", value) : fmt::format("{:.2g}", value); }
-
-Table::Column right(std::string heading) { return {std::move(heading), Align::right}; }
-
-std::vector<std::string> schedule_cells(const ScheduleResult& result) {
-    return {result.name, fmt::format("{}", result.schedule.threads), fmt::format("{}", result.schedule.segments)};
+/// Variable that OpenMP's runtimes read when they are loaded.
+std::string environment(const char* name) {
+    const char* value = std::getenv(name);
+    return value != nullptr ? value : "";
 }
 
-bool recorded(const ScheduleResult& result) { return result.recording.pass.active() > 0; }
-
-std::string bare_text(const Profile& profile) {
-    std::string text = "bare barrier, time per cycle:";
-    for (const ThreadCost& cost : profile.bare)
-        text += fmt::format(" {} us ({})", microseconds(cost.seconds), plural(cost.threads, "thread"));
-    return text + "\n";
+/// Rows of profile.csv without the machine's columns, one for each load.
+Json rows_of(const std::string& scene, const ScheduleResult& result, double calibrated) {
+    const tasks::Schedule& schedule = result.schedule;
+    const RecordedPass& pass = result.recording.pass;
+    const auto if_recorded = [&](double value) { return pass.active() > 0 ? Json(value) : Json(); };
+    const std::string wait = schedule.wait == engine::Wait::spin ? "spin" : schedule.wait == engine::Wait::passive ? "passive" : "balanced";
+    Json rows = Json::array();
+    for (const LoadResult& load : result.loads)
+        rows.push_back(named(
+            "scene,schedule,executor,assembly,threads,segments,neighbours,step_us,step_lower_quartile_us,step_upper_quartile_us,"
+            "evaluation_us,speed_up,cpu_per_wall,rounds,dropped,active_threads,synchronisation_us,cycle_cost_us,least_task_us,imbalance,"
+            "recording_cost,hash,wait,pinned,omp_wait_policy,gomp_spincount,kmp_blocktime,cpu_us,burnt_us,bare_barrier_us,gain_near,"
+            "rounds_near,gain_far,rounds_far,calibrated",
+            {scene,
+             result.name,
+             schedule.executor,
+             assembly_name(schedule.assembly),
+             schedule.threads,
+             schedule.segments,
+             load.neighbours,
+             1e6 * load.step.median,
+             1e6 * load.step.lower_quartile,
+             1e6 * load.step.upper_quartile,
+             1e6 * load.evaluation,
+             load.speed_up,
+             load.cpu_per_wall,
+             load.rounds,
+             load.dropped,
+             pass.active() > 0 ? Json(pass.active()) : Json(),
+             if_recorded(1e6 * pass.synchronisation()),
+             result.cycle.active == schedule.threads ? Json(1e6 * result.cycle.seconds) : Json(),
+             if_recorded(1e6 * pass.min_task()),
+             if_recorded(pass.imbalance()),
+             if_recorded(result.recording.cost),
+             engine::hex(result.hash),
+             wait,
+             schedule.pin ? "yes" : "no",
+             environment("OMP_WAIT_POLICY"),
+             environment("GOMP_SPINCOUNT"),
+             environment("KMP_BLOCKTIME"),
+             1e6 * load.cpu,
+             1e6 * load.burnt,
+             1e6 * result.bare,
+             result.paired.near.median,
+             result.paired.near_rounds,
+             result.paired.far.median,
+             result.paired.far_rounds,
+             calibrated}));
+    return rows;
 }
 
-/// Step and evaluation times, speed-ups, synchronisation: a row per schedule.
-std::string timing_text(const Profile& profile) {
-    Table table({{"schedule"},
-                 right("threads"),
-                 right("segments"),
-                 right("step [us]"),
-                 right("quartiles"),
-                 right("evaluation"),
-                 right("speed-up"),
-                 right("cpu/wall"),
-                 right("active"),
-                 right("sync"),
-                 right("alone"),
-                 right("bare"),
-                 right("min task"),
-                 right("imbalance"),
-                 right("recording"),
-                 {""}});
-    for (const ScheduleResult& result : profile.results) {
-        const LoadResult& load = result.loads.front();
-        const RecordedPass& pass = result.recording.pass;
-        std::vector<std::string> cells = schedule_cells(result);
-        cells.insert(cells.end(), {microseconds(load.step.median),
-                                   fmt::format("{} .. {}", microseconds(load.step.lower_quartile), microseconds(load.step.upper_quartile)),
-                                   microseconds(load.evaluation), factor(load.speed_up), fmt::format("{:.2f}", load.cpu_per_wall)});
-        const bool known = recorded(result);
-        const bool came = result.cycle.active == result.schedule.threads;
-        cells.insert(cells.end(), {known ? fmt::format("{}", pass.active()) : "", known ? microseconds(pass.synchronisation()) : "",
-                                   came ? microseconds(result.cycle.seconds) : "absent", microseconds(result.bare),
-                                   known ? microseconds(pass.min_task()) : "", known ? fmt::format("{:.2f}", pass.imbalance()) : "",
-                                   known ? fmt::format("{:+.0f} %", 100.0 * result.recording.cost) : "", load.dropped});
-        table.add(cells);
-    }
-    return table.text() + bare_text(profile);
-}
-
-/// Gains over serial's turns, near and far rounds apart, and those of independent runs; nothing without threads.
-std::string gains_text(const Profile& profile) {
-    if (profile.processors_requested() < 2) return {};
-    Table table({{"schedule"},
-                 right("threads"),
-                 right("segments"),
-                 right("near"),
-                 right("quartiles"),
-                 right("rounds"),
-                 right("far"),
-                 right("quartiles"),
-                 right("rounds")});
-    const auto add = [&](std::vector<std::string> cells, const PairedGain& gain) {
-        for (const auto& [spread, rounds] : {std::pair{gain.near, gain.near_rounds}, std::pair{gain.far, gain.far_rounds}}) {
-            const bool known = rounds > 0;
-            cells.insert(cells.end(), {known ? factor(spread.median) : "",
-                                       known ? fmt::format("{} .. {}", factor(spread.lower_quartile), factor(spread.upper_quartile)) : "",
-                                       fmt::format("{}", rounds)});
-        }
-        table.add(cells);
+/// [[lower quartile, median, upper quartile, rounds] near, the same far]
+Json gains_of(const PairedGain& gain) {
+    const auto of = [](const Spread& spread, int rounds) {
+        return Json::array({spread.lower_quartile, spread.median, spread.upper_quartile, rounds});
     };
-    for (const ScheduleResult& result : profile.results)
-        if (result.schedule.threads > 1) add(schedule_cells(result), result.paired);
-    for (const CopiesGain& copies : profile.copies) add({"independent runs", fmt::format("{}", copies.threads), ""}, copies.paired);
-    return fmt::format(
-               "Speed-up against serial's turn of the same round, near: threads had just met within {} us, far: not; independent runs: as\n"
-               "many serial ones at once, which share nothing\n",
-               microseconds(bench::near_meeting)) +
-           table.text();
+    return Json::array({of(gain.near, gain.near_rounds), of(gain.far, gain.far_rounds)});
 }
 
-/// Medians beside busy neighbours and factors against serial under the same load; empty if there were none.
-std::string neighbours_text(const Profile& profile) {
-    const std::vector<LoadResult>& loads = profile.results.front().loads;
-    if (loads.size() < 2) return {};
-    std::vector<Table::Column> columns{{"schedule"}, right("threads"), right("segments")};
-    for (const LoadResult& load : loads) {
-        columns.push_back(right(fmt::format("{} busy [us]", load.neighbours)));
-        columns.push_back(right("factor"));
-        columns.push_back(right("burnt"));
+/// A schedule: "cells" that name it, "seconds" of its recorded pass, [thread][stage].
+Json schedule_json(const std::string& scene, const ScheduleResult& result, const Profile& profile) {
+    Json seconds = Json::array();
+    for (const ThreadTimes& thread : result.recording.pass.threads) {
+        Json& row = seconds.emplace_back(Json::array());
+        for (std::size_t stage = 0; stage < profile.stages.size(); ++stage) row.push_back(thread.at(stage));
     }
-    Table table(columns);
-    for (const ScheduleResult& result : profile.results) {
-        std::vector<std::string> cells = schedule_cells(result);
-        for (const LoadResult& load : result.loads) {
-            const bool known = load.rounds > 0;
-            cells.push_back(known ? microseconds(load.step.median) : "dropped");
-            cells.push_back(known ? fmt::format("{}{}", factor(load.speed_up), load.dropped.empty() ? "" : "*") : "");
-            cells.push_back(known ? microseconds(load.burnt) : "");
-        }
-        table.add(cells);
-    }
-    return "Beside busy neighbours: time per step, speed-up against serial under the same load (*: dropped after that round), processor "
-           "time per step beyond serial's [us]\n" +
-           table.text();
+    return named("cells,rows,gains,seconds,steps",
+                 {Json::array({result.name, result.schedule.threads, result.schedule.segments}), rows_of(scene, result, profile.calibrated),
+                  gains_of(result.paired), std::move(seconds), std::max(1L, result.recording.steps)});
 }
 
-/// "CCCCHHHH..": shares of a thread's time as letters, largest remainders filled up to exactly `width`.
-std::string stage_bar(const ThreadTimes& times, const std::vector<StageRow>& rows, int width) {
-    std::vector<int> cells(rows.size());
-    std::vector<double> rest(rows.size());
-    const double total = times.total();
-    if (total <= 0.0) return std::string(static_cast<std::size_t>(width), ' ');
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-        const double exact = width * times.at(k) / total;
-        cells[k] = static_cast<int>(std::floor(exact));
-        rest[k] = exact - cells[k];
-    }
-    for (int left = width - std::accumulate(cells.begin(), cells.end(), 0); left > 0; --left) {
-        const auto most = std::max_element(rest.begin(), rest.end());
-        ++cells[static_cast<std::size_t>(most - rest.begin())];
-        *most = 0.0;
-    }
-    std::string bar;
-    for (std::size_t k = 0; k < rows.size(); ++k) bar += std::string(static_cast<std::size_t>(cells[k]), rows[k].letter);
-    return bar;
-}
-
-/// A bar per thread and schedule, divided by stages.
-std::string stages_text(const Profile& profile) {
-    std::string text = "Stages by thread:";
-    for (const StageRow& row : profile.stages.rows()) text += fmt::format(" {} {},", row.letter, row.name);
-    text.back() = '\n';
-    for (const ScheduleResult& result : profile.results) {
-        const auto& threads = result.recording.pass.threads;
-        for (std::size_t thread = 0; recorded(result) && thread < threads.size(); ++thread) {
-            const std::string name = thread == 0 ? fmt::format("{} M={}", result.name, result.schedule.segments) : "";
-            text += fmt::format("  {:<26} {:>2} |{}|", name, thread, stage_bar(threads[thread], profile.stages.rows(), 60));
-            for (std::size_t row = 0; row < profile.stages.size(); ++row) {
-                const double share = threads[thread].at(row) / threads[thread].total();
-                if (share >= 0.005) text += fmt::format(" {} {:.0f}%", profile.stages.rows()[row].letter, 100.0 * share);
-            }
-            text += "\n";
-        }
-    }
-    return text;
-}
-
-/// Sequential time by stage: of the serial staged run, or of the fused one if that was not measured.
-std::string serial_text(const Profile& profile) {
-    const auto staged = std::find_if(profile.results.begin(), profile.results.end(),
-                                     [](const ScheduleResult& result) { return result.name == "serial:staged"; });
-    const ScheduleResult& serial = staged == profile.results.end() ? profile.results.front() : *staged;
-    const RecordedPass& pass = serial.recording.pass;
-    std::string text = fmt::format("Where sequential time goes ({}):\n", serial.name);
-    double total = 0.0;
-    for (const ThreadTimes& thread : pass.threads) total += thread.total();
-    for (std::size_t row = 0; row < profile.stages.size(); ++row) {
-        const double share = total > 0.0 ? pass.sum(row) / total : 0.0;
-        if (share == 0.0) continue;
-        const double per_step = serial.recording.steps > 0 ? pass.sum(row) / static_cast<double>(serial.recording.steps) : 0.0;
-        text += fmt::format("  {:<20} {:>5.1f} % {:>9} us per step  {}\n", profile.stages.rows()[row].name, 100.0 * share,
-                            microseconds(per_step), std::string(static_cast<std::size_t>(std::lround(50.0 * share)), '#'));
-    }
-    const double serial_share = profile.results.front().recording.pass.serial_share();
-    return text + field("serial share", fmt::format("{:.2f} % of serial:fused; Amdahl's law allows {:.3g} with 16 threads",
-                                                    100.0 * serial_share, 1.0 / (serial_share + (1.0 - serial_share) / 16.0)));
-}
-
-/// Processors that the calibrations obtained; empty without calibration.
-std::string crowding_text(const Profile& profile) {
-    if (profile.calibrated < 0.0) return {};
-    return fmt::format("calibration got {:.2f} of {} processors, the schedules {:.2f}; {:.2f} are required", profile.calibrated,
-                       profile.processors_requested(), profile.processors_got(), crowded_below * profile.processors_requested());
-}
-
-std::string numbered(std::size_t number, const ScheduleResult& result) {
-    return fmt::format("{} {}, {}, {}", number, result.name, plural(result.schedule.threads, "thread"),
-                       plural(result.schedule.segments, "segment"));
-}
-
-std::string measured_on() {
-    const engine::Provenance here = engine::current_provenance();
-    return fmt::format("{}, {} usable processors, commit {}", here.cpu, tasks::usable_threads(), here.commit);
-}
-
-/// Colours repeat after eight.
-Line line_of_series(std::size_t series) { return series < 8 ? Line::solid : Line::dashed; }
-
-/// Time per step of each stage, summed over threads, waiting included, for every recorded schedule (horizontal axis: its number in the
-/// tables). One series per stage, named as the graph's tasks.
-Plot stages_plot(const std::string& scene, const Profile& profile) {
-    Plot plot;
-    plot.title = fmt::format("Stages of a step of {}", scene);
-    plot.subtitle = measured_on();
-    plot.x = {"schedule, by its number", Scale::linear, 1.0, 0.0, static_cast<double>(profile.results.size() + 1)};
-    plot.y = {"time per step, all threads together [us]", Scale::logarithmic, 1.0, {}, {}};
-    constexpr Mark marks[] = {Mark::dot, Mark::square, Mark::diamond, Mark::triangle, Mark::ring, Mark::cross};
-    for (std::size_t row = 0; row < profile.stages.size(); ++row) {
-        Series series{profile.stages.rows()[row].name, {}, marks[row / 8 % 6], Line::none, ""};
-        for (std::size_t number = 0; number < profile.results.size(); ++number) {
-            const Recording& recording = profile.results[number].recording;
-            if (recording.steps == 0 || recording.pass.sum(row) <= 0.0) continue;
-            series.points.push_back(
-                {static_cast<double>(number + 1), 1e6 * recording.pass.sum(row) / static_cast<double>(recording.steps)});
-        }
-        if (!series.points.empty()) plot.series.push_back(std::move(series));
-    }
-    for (std::size_t number = 0; number < profile.results.size(); ++number)
-        plot.series.push_back({numbered(number + 1, profile.results[number]), {}, Mark::none, Line::none, "#444444"});
-    return plot;
-}
-
-/// Time per step beside busy neighbours, a curve per schedule.
-Plot loads_plot(const std::string& scene, const Profile& profile) {
-    Plot plot;
-    plot.title = fmt::format("Time per step of {} beside busy neighbours", scene);
-    plot.subtitle = measured_on();
-    plot.x = {"busy neighbours", Scale::linear, 1.0, 0.0, {}};
-    plot.y = {"time per step [us]", Scale::logarithmic, 1.0, {}, {}};
-    for (const ScheduleResult& result : profile.results) {
-        Series series{numbered(plot.series.size() + 1, result), {}, Mark::dot, line_of_series(plot.series.size()), ""};
-        for (const LoadResult& load : result.loads) {
-            if (load.rounds > 0) series.points.push_back({static_cast<double>(load.neighbours), 1e6 * load.step.median});
-        }
-        plot.series.push_back(std::move(series));
-    }
-    return plot;
+Json profile_json(const std::string& scene, const Profile& profile, int rounds) {
+    Json stages = Json::array(), schedules = Json::array(), bare = Json::array(), copies = Json::array();
+    for (const StageRow& row : profile.stages.rows()) stages.push_back({row.name, std::string(1, row.letter)});
+    for (const ScheduleResult& result : profile.results) schedules.push_back(schedule_json(scene, result, profile));
+    for (const ThreadCost& cost : profile.bare) bare.push_back(Json::array({cost.threads, cost.seconds}));
+    for (const CopiesGain& each : profile.copies) copies.push_back({{"threads", each.threads}, {"gains", gains_of(each.paired)}});
+    Json json = named(
+        "scene,rounds,machine,load_before,load_after,calibrated,requested,got,needed,crowded,meeting,serial_share,stages,schedules,bare,"
+        "copies",
+        {scene, rounds, machine_json(), profile.load_before, profile.load_after, profile.calibrated, profile.processors_requested(),
+         profile.processors_got(), crowded_below * profile.processors_requested(), profile.crowded(), near_meeting,
+         profile.results.front().recording.pass.serial_share(), stages, schedules, bare, copies});
+    for (const std::string& line : profile.differences) json["complaints"].push_back("states differ: " + line);
+    return json;
 }
 
 struct ProfileArguments {
@@ -288,17 +142,6 @@ void write_file(const std::string& path, const std::string& text) {
     if (!file) throw std::runtime_error(path + ": cannot write");
 }
 
-std::string machine_text(const Profile& result) {
-    const engine::Provenance here = engine::current_provenance();
-    return field("machine",
-                 fmt::format("{}, {}, {} usable", here.cpu, plural(here.cores, "core"), plural(tasks::usable_threads(), "thread"))) +
-           field("program", fmt::format("cvtflow {} ({}), {} {}", here.version, here.commit, here.compiler, here.build_type)) +
-           field("flags", compiler_flags()) + field("libraries", bench::runtime_versions()) +
-           field("load average", fmt::format("{:.2f} before, {:.2f} after", result.load_before, result.load_after)) +
-           field(result.crowded() ? "crowded" : "quiet",
-                 crowding_text(result) + (result.crowded() ? ": other processes are busy, so comparisons are unreliable" : ""));
-}
-
 MeasureOptions options_of(const ProfileArguments& arguments) {
     MeasureOptions options = arguments.measure;
     options.round_seconds = 1e-3 * arguments.round_milliseconds;
@@ -307,17 +150,6 @@ MeasureOptions options_of(const ProfileArguments& arguments) {
     std::sort(loads.begin(), loads.end());
     loads.erase(std::unique(loads.begin(), loads.end()), loads.end());
     return options;
-}
-
-/// @return written() of the folder of -o
-std::string write_files(const ProfileArguments& arguments, const tasks::Scene& scene, const Profile& result) {
-    if (!arguments.trace.empty()) write_file(arguments.trace, profile_trace(result));
-    OutputFolder folder(arguments.output);
-    folder.write("profile.csv", profile_csv(scene, result));
-    folder.write("stages.csv", profile_stages_csv(scene, result));
-    folder.write("stages.svg", svg(stages_plot(scene.name, result)));
-    folder.write("loads.svg", svg(loads_plot(scene.name, result)));
-    return folder.written();
 }
 
 ExitStatus profile(const ProfileArguments& arguments) {
@@ -333,15 +165,8 @@ ExitStatus profile(const ProfileArguments& arguments) {
         if (!arguments.quiet) print_error(line);
     };
     const Profile result = profile_schedules(scene, schedules, options, progress);
-    fmt::print("{}: {}, alternating, medians of {}\n{}", scene.name, plural(static_cast<long>(schedules.size()), "schedule"),
-               plural(options.rounds, "round"), machine_text(result));
-    for (const std::string& part :
-         {timing_text(result), gains_text(result), neighbours_text(result), stages_text(result), serial_text(result)}) {
-        if (!part.empty()) fmt::print("\n{}", part);
-    }
-    fmt::print("{}", write_files(arguments, scene, result));
-    for (const std::string& line : result.differences) print_error(fmt::format("states differ: {}", line));
-    return result.differences.empty() ? ExitStatus::finished : ExitStatus::error;
+    if (!arguments.trace.empty()) write_file(arguments.trace, profile_trace(result));
+    show("profile", profile_json(scene.name, result, options.rounds), arguments.output);
 }
 
 constexpr const char* profile_explanation =

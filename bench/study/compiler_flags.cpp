@@ -1,0 +1,3 @@
+#include "bench/study/compiler_flags.hpp"
+
+std::string cvtflow::bench::compiler_flags() { return CVTFLOW_FLAGS; }
