@@ -33,7 +33,7 @@ def built():
     bundle = [f"-DCMAKE_{kind}_LINKER_FLAGS=-Wl,--disable-new-dtags" for kind in ("SHARED", "EXE")] if BUNDLE else []
     subprocess.run(["cmake", "-S", TOP, "-B", folder, "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_INSTALL_LIBDIR=lib",
                     "-DCMAKE_BUILD_WITH_INSTALL_RPATH=ON", *bundle, *shlex.split(os.environ.get("CMAKE_ARGS", ""))], check=True)
-    subprocess.run(["cmake", "--build", folder, "--target", "cvtflow", "cvtflow_library", "--parallel",
+    subprocess.run(["cmake", "--build", folder, "--target", "cvtflow", "cvtflow_library", "cvtflow_fmu", "--parallel",
                     os.environ.get("CVTFLOW_JOBS", str(os.cpu_count()))], check=True)
     return folder
 
@@ -53,7 +53,9 @@ class Build(build_py):
         folder, package = built(), pathlib.Path(self.build_lib, "cvtflow")
         library = folder / os.readlink(folder / "libcvtflow.so")  # by the name that the package looks for
         program = folder / "cvtflow"
-        for place, files in (("lib", [library, *(needed(library) + needed(program) if BUNDLE else [])]), ("bin", [program])):
+        fmu = [folder / name for name in ("cvtflow_fmu.so", "cvtflow_fmu.dll") if (folder / name).exists()]
+        libraries = [library, *(needed(library) + needed(program) if BUNDLE else [])]
+        for place, files in (("lib", libraries), ("lib/cvtflow", fmu), ("bin", [program]), ("fmu", [TOP / "LICENSE"])):
             (package / place).mkdir(exist_ok=True)
             for file in files:
                 shutil.copy(file, package / place / file.name)

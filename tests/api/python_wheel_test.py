@@ -52,7 +52,8 @@ print(cvtflow.Record("r.h5").status)"""
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=self.folder, env=environment)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue(done.stdout.startswith(str(self.site)) and done.stdout.endswith("finished\n"), done.stdout)
-        for words, shown in (("run tiny --until 20us -q -o p.h5", ""), ("plot r.h5 slip -o r.svg", "r.svg"), ("info p.h5", "status")):
+        for words, shown in (("run tiny --until 20us -q -o p.h5", ""), ("plot r.h5 slip -o r.svg", "r.svg"), ("info p.h5", "status"),
+                             ("export-fmu tiny -o t.fmu", "t.fmu: FMI 3.0")):
             ran = subprocess.run([self.site / "bin/cvtflow", *words.split()], capture_output=True, text=True, cwd=self.folder, env=environment)
             self.assertEqual(ran.returncode, 0, f"{words}: {ran.stderr}")
             self.assertIn(shown, ran.stdout + ran.stderr)

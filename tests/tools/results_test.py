@@ -259,6 +259,13 @@ class FmuTerminals(Program):
             self.assertEqual(row[0] == "shaft_1", row[2] in ("shaft_1.speed", "clamping_driving", "drive_speed"), row)
         self.assertEqual({row[::2] for row in self.terminals("--inputs load_torque --outputs ratio")}, {("shaft_2", "load_torque")})
 
+    def test_are_in_the_same_file_as_python_writes_it(self):
+        self.cvtflow("export-fmu tiny -q -o t.fmu --outputs ratio,links/tension --author me")
+        done = subprocess.run(["/usr/bin/python3", "-c", "import cvtflow\ncvtflow.export_fmu('tiny', 'p.fmu', outputs=['ratio', "
+                               "'links/tension'], author='me')"], capture_output=True, text=True)
+        self.assertEqual(done.stderr, "")
+        self.assertEqual(Path("p.fmu").read_bytes(), Path("t.fmu").read_bytes())
+
     def test_are_not_part_of_the_second_version_of_the_standard(self):
         self.cvtflow("export-fmu tiny -q -o t.fmu --fmi 2")
         with zipfile.ZipFile("t.fmu") as file:

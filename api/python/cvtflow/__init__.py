@@ -34,6 +34,7 @@ if typing.TYPE_CHECKING:
     from ._scene import Scene as Scene
     from ._scene import ready_scenes as ready_scenes
     from ._scene import scene_keys as scene_keys
+    from ._scene_fmu import export_fmu as export_fmu
     from ._series import Record as Record
     from ._simulation import Input as Input
     from ._simulation import Recording as Recording
@@ -62,6 +63,7 @@ _MODULES = {
     "_tables": "Results",
     "_tune": "Tuning tune",
     "_fit": "Fit fit",
+    "_scene_fmu": "export_fmu",
     "pages": "report",
 }
 _PLACES = {name: module for module, names in _MODULES.items() for name in names.split()}
