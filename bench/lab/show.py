@@ -28,11 +28,6 @@ def number(value):
     return math.nan if value is None else float(value)
 
 
-def form(value, spec):
-    """A number as text; null: ""."""
-    return "" if value is None else format(value, spec)
-
-
 def time_text(seconds):
     """"2.25 ms", "-10 us", "0 s": four digits."""
     for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")):
@@ -394,9 +389,9 @@ def _timing_text(results):
         row = schedule["rows"][0]
         known = row["active_threads"] is not None
         rows.append([*schedule["cells"], f"{row['step_us']:.2f}", f"{row['step_lower_quartile_us']:.2f} .. {row['step_upper_quartile_us']:.2f}",
-                     f"{row['evaluation_us']:.2f}", _factor(row["speed_up"]), f"{row['cpu_per_wall']:.2f}", form(row["active_threads"], ""),
-                     form(row["synchronisation_us"], ".2f"), form(row["cycle_cost_us"], ".2f") or "absent", f"{row['bare_barrier_us']:.2f}",
-                     form(row["least_task_us"], ".2f"), form(row["imbalance"], ".2f"),
+                     f"{row['evaluation_us']:.2f}", _factor(row["speed_up"]), f"{row['cpu_per_wall']:.2f}", cell_text(row["active_threads"]),
+                     cell_text(row["synchronisation_us"], ".2f"), cell_text(row["cycle_cost_us"], ".2f") or "absent", f"{row['bare_barrier_us']:.2f}",
+                     cell_text(row["least_task_us"], ".2f"), cell_text(row["imbalance"], ".2f"),
                      f"{100.0 * row['recording_cost']:+.0f} %" if known else "", row["dropped"]])
     table(["<schedule", "threads", "segments", "step [us]", "quartiles", "evaluation", "speed-up", "cpu/wall", "active", "sync", "alone",
            "bare", "min task", "imbalance", "recording", "<"], rows, 0)
@@ -548,7 +543,7 @@ def compare(results, files):
                "evaluations_per_second": ("per second", "{:.3g}"), "wall_seconds_per_second": ("wall s/s", "{:.4g}"),
                "fewer_by": ("fewer", "{:.2f}"), "faster_by": ("faster", "{:.2f}")}
     columns |= {f"error_{each}": (each.replace("_", " "), error) for each in ("axial_force", "tension", "slip", "losses", "pin")}
-    columns |= {key: (key.removeprefix("newton_").replace("_", " ").replace("jacobians", "Jacobians"), lambda value: form(value, ".3g"))
+    columns |= {key: (key.removeprefix("newton_").replace("_", " ").replace("jacobians", "Jacobians"), lambda value: cell_text(value, ".3g"))
                 for key in rows[0] if key.startswith("newton_")}
     columns |= {"residual": ("residual", error), "status": ("<status", str)}
     columns = {key: column for key, column in columns.items() if key in rows[0]}

@@ -109,15 +109,11 @@ std::vector<std::string> implicit_choices() {
     return choices;
 }
 
-void say(const CompareArguments& arguments, const std::string& what) {
-    if (!arguments.quiet) print_error(what);
-}
-
 /// A state for runs to begin with, if the scene has none.
 std::optional<engine::SavedState> settled(const CompareArguments& arguments, const tasks::Scene& scene) {
     tasks::Simulation simulation(scene);
     if (!simulation.needs_settling()) return std::nullopt;
-    say(arguments, fmt::format("settling {} first", time_text(scene.parameters.start.settling_time)));
+    say(arguments.quiet, fmt::format("settling {} first", time_text(scene.parameters.start.settling_time)));
     tasks::SilentObserver silent;
     if (const tasks::Fault fault = simulation.advance({.until = 0.0}, silent, catch_interrupts())) throw tasks::SettlingFault(fault);
     return simulation.saved_state();
@@ -147,7 +143,7 @@ std::vector<ComparedChoice> measure_all(const CompareArguments& arguments, const
         choices.back().settings = read_choice(choice);
     }
     for (int round = 0; round < arguments.rounds; ++round) {
-        say(arguments, fmt::format("round {} of {}", round + 1, arguments.rounds));
+        say(arguments.quiet, fmt::format("round {} of {}", round + 1, arguments.rounds));
         for (ComparedChoice& choice : choices) {
             if (cancel.requested()) return {};
             choice.run = measure.run(choice.settings);
@@ -186,7 +182,7 @@ Json results_of(const CompareArguments& arguments, const std::vector<ComparedCho
 ExitStatus run_compare(const CompareArguments& arguments) try {
     for (const std::string& choice : arguments.choices) static_cast<void>(read_choice(choice));
     const LoadedScene loaded = load_scene(arguments.scene);
-    if (!loaded.notice.empty()) say(arguments, loaded.notice);
+    say(arguments.quiet, loaded.notice);
     const engine::Cancellation& cancel = catch_interrupts();
     tasks::Scene scene = loaded.scene;
     if (scene.run.schedule == "auto") tasks::set_value(scene, "run.schedule=serial");

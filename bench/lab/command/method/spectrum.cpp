@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <functional>
 #include <memory>
+#include <string>
 
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/command/method/limit.hpp"
@@ -33,22 +34,12 @@ struct SpectrumArguments {
     bool extremal = false, attribute = false, quiet = false;
 };
 
-/// Reports progress on stderr.
-class ProgressReporter {
-public:
-    explicit ProgressReporter(bool quiet) : quiet_(quiet) {}
-    void operator()(const std::string& what) const {
-        if (!quiet_) print_error(what);
-    }
-
-private:
-    bool quiet_;
-};
+using Report = std::function<void(const std::string&)>;  // progress, on stderr
 
 constexpr double border = -1e6;  ///< real part left of which --extremal finds eigenvalues, and they are attributed [1/s]
 
 /// The eigenvalues: all, or those at the edge, of which "dimension" and "residual" say how they were found.
-Eigenvalues find_values(Json& results, std::vector<double> matrix, int unknowns, bool extremal, const ProgressReporter& report) {
+Eigenvalues find_values(Json& results, std::vector<double> matrix, int unknowns, bool extremal, const Report& report) {
     if (!extremal) {
         if (unknowns > 1500) report(fmt::format("all {} eigenvalues: one or two minutes (--extremal: seconds)", count_text(unknowns)));
         return eigenvalues(std::move(matrix), unknowns);
@@ -68,7 +59,7 @@ Json extent_json(const Extent& extent) {
 
 /// The largest stable step: of a table of stages, predicted and measured; else the one that `check` states.
 void add_limit(Json& results, const tasks::Scene& scene, const model::Variator& variator, const tasks::FrozenStart& start,
-               const Eigenvalues& values, const ProgressReporter& report) {
+               const Eigenvalues& values, const Report& report) {
     const std::string method = tasks::method_of(scene);
     Json& limit = results["file"]["stable_step"];
     if (tasks::find_program(method) == nullptr) {
@@ -101,10 +92,10 @@ std::string polynomial_for(const Extent& extent, double step) {
 }
 
 ExitStatus run_spectrum(const SpectrumArguments& arguments) {
-    const ProgressReporter report(arguments.quiet);
+    const Report report = [&](const std::string& what) { say(arguments.quiet, what); };
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
-    if (!loaded.notice.empty()) report(loaded.notice);
+    report(loaded.notice);
     const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "its eigenvalues");
     const model::Variator variator(scene.parameters);
     model::Observer observer(variator);

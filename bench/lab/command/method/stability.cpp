@@ -103,11 +103,11 @@ struct Ground {
 
 Ground ground_of(const StabilityArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
-    if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
+    say(arguments.quiet, loaded.notice);
     Ground ground{loaded.scene.name, settled_start(loaded.scene, arguments.scene.settle, "its eigenvalues"), {}, {}};
     ground.variator.emplace(loaded.scene.parameters);
     const int size = static_cast<int>(ground.start.state.size());
-    if (!arguments.quiet) print_error(fmt::format("eigenvalues of {}", ground.scene));
+    say(arguments.quiet, fmt::format("eigenvalues of {}", ground.scene));
     std::vector<double> matrix = jacobian(*ground.variator, ground.start.time, ground.start.state, ground.start.phases);
     ground.values = arguments.all ? bench::eigenvalues(std::move(matrix), size)
                                   : bench::extremal_eigenvalues(std::move(matrix), size, {.progress = {}}).values;
@@ -147,7 +147,7 @@ ExitStatus stability(const StabilityArguments& arguments) {
     if (!arguments.scene.scene.empty()) ground = ground_of(arguments);
     Json methods = Json::array();
     for (const engine::StagePlan& plan : plans) {
-        if (!arguments.quiet) print_error(plan.name);
+        say(arguments.quiet, plan.name);
         methods.push_back(stability_of(plan, arguments, ground));
     }
     show("stability", {{"scene", ground ? ground->scene : ""}, {"methods", std::move(methods)}}, arguments.output);

@@ -62,9 +62,7 @@ ExitStatus granularity(const GranularityArguments& arguments) {
     if (!arguments.lengths.empty()) options.lengths.clear();
     for (const double length : arguments.lengths) options.lengths.push_back(1e-6 * length);
     std::sort(options.lengths.begin(), options.lengths.end());
-    const Granularity result = measure_granularity(options, [&](const std::string& line) {
-        if (!arguments.quiet) print_error(line);
-    });
+    const Granularity result = measure_granularity(options, [&](const std::string& line) { say(arguments.quiet, line); });
     show("granularity", granularity_json(result, options.rounds), arguments.output);
 }
 

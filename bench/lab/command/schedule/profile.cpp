@@ -154,16 +154,14 @@ MeasureOptions options_of(const ProfileArguments& arguments) {
 
 ExitStatus profile(const ProfileArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
-    if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
+    say(arguments.quiet, loaded.notice);
     const tasks::Scene& scene = loaded.scene;
     engine::require_no_input(arguments.trace, input_files(scene));
     const MeasureOptions options = options_of(arguments);
     ScheduleChoice choice = arguments.choice;
     choice.wait = waits.at(arguments.wait);
     const auto schedules = chosen_schedules(scene, choice);
-    const auto progress = [&](const std::string& line) {
-        if (!arguments.quiet) print_error(line);
-    };
+    const auto progress = [&](const std::string& line) { say(arguments.quiet, line); };
     const Profile result = profile_schedules(scene, schedules, options, progress);
     if (!arguments.trace.empty()) write_file(arguments.trace, profile_trace(result));
     show("profile", profile_json(scene.name, result, options.rounds), arguments.output);

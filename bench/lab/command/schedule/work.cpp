@@ -49,9 +49,7 @@ Json work_json(const tasks::Scene& scene, const CountedWork& counted) {
 ExitStatus work(const WorkArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
-    const auto progress = [&](const std::string& line) {
-        if (!arguments.quiet && !line.empty()) print_error(line);
-    };
+    const auto progress = [&](const std::string& line) { say(arguments.quiet, line); };
     progress(loaded.notice);
     const int links = scene.parameters.chain.pins;
     std::vector<int> segments = arguments.segments.empty() ? shortening_segments(links) : arguments.segments;
