@@ -1,12 +1,12 @@
 """Measured data beside a simulation: columns whose headings are names of channels, columns or keys with units."""
 
-import csv
 import os
 import re
 
 import numpy as np
 
 from ._known import Misuse, is_unit, quantity, quantity_name
+from ._rows import csv_rows, heading_of, number_of
 
 
 def _plain(name):
@@ -43,34 +43,6 @@ class Measured:
             if is_unit(given):
                 raise Misuse(f"{self.path}: {own} [{given}]: {quantity_name(unit)} expected ({unit or '1'})") from None
             raise ValueError(f"{self.path}: {own} [{given}]: {error}") from None
-
-
-def csv_rows(path):
-    """Rows of cells of a CSV with a heading, whose numbers may have decimal commas where cells are separated by semicolons or tabs. Raises
-    ValueError for a row with more or fewer cells than there are headings."""
-    with open(path, newline="", encoding="utf-8-sig", errors="surrogateescape") as file:
-        text = file.read()
-    separator = max(";\t,", key=text.partition("\n")[0].count)
-    rows = [(line, row) for line, row in enumerate(csv.reader(text.splitlines(), delimiter=separator), 1) if any(row)]
-    for line, row in rows:
-        if len(row) != len(rows[0][1]):
-            raise ValueError(f"{path}:{line}: {len(row)} cells, not {len(rows[0][1])}")
-    return [[cell.replace(",", ".") if separator != "," and number_of(cell.replace(",", ".")) is not None else cell for cell in row]
-            for _, row in rows]
-
-
-def number_of(cell):
-    """The number that a cell of a CSV is; None: a text."""
-    try:
-        return float(cell)
-    except ValueError:
-        return None
-
-
-def heading_of(cell):
-    """Name and unit of a heading: "slip [%]"."""
-    name, _, unit = cell.partition("[")
-    return name.strip(), unit.rstrip("] ")
 
 
 def _read(path):

@@ -104,20 +104,40 @@ def _lines(path):
     return [cells[:-1] for cells in csv.reader(line.decode("utf-8", "replace") for line in lines)]
 
 
+def csv_rows(path):
+    """Rows of cells of a CSV with a heading, whose numbers may have decimal commas where cells are separated by semicolons or tabs. Raises
+    ValueError for a row with more or fewer cells than there are headings."""
+    with open(path, newline="", encoding="utf-8-sig", errors="replace") as file:
+        text = file.read()
+    separator = max(";\t,", key=text.partition("\n")[0].count)
+    rows = [(line, row) for line, row in enumerate(csv.reader(text.splitlines(), delimiter=separator), 1) if any(row)]
+    for line, row in rows:
+        if len(row) != len(rows[0][1]):
+            raise ValueError(f"{path}:{line}: {len(row)} cells, not {len(rows[0][1])}")
+    return [[cell.replace(",", ".") if separator != "," and number_of(cell.replace(",", ".")) is not None else cell for cell in row]
+            for _, row in rows]
+
+
+def number_of(cell):
+    """The number that a cell of a CSV is; None: a text."""
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+def heading_of(cell):
+    """Name and unit of a heading: "slip [%]"."""
+    name, _, unit = cell.partition("[")
+    return name.strip(), unit.rstrip("] ")
+
+
 def _of_csv(path):
     """A CSV such as `cvtflow table --csv` prints, or a copy of results.csv."""
-    with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
-        text = file.read()
-    heading = text.partition("\n")[0]
-    if heading.rstrip("\r").endswith(",crc32"):
-        lines = _lines(path)
-    else:
-        lines = [line for line in csv.reader(text.splitlines(), delimiter=";" if ";" in heading else ",") if line]
-    names = [cell.partition("[") for cell in lines[0]] if lines else []
-    columns = [Column(name.strip(), unit.rstrip("] "), "", "", (unit.rstrip("] "), 1.0)) for name, _, unit in names]
+    with open(path, "rb") as file:
+        sealed = file.readline().rstrip().endswith(b",crc32")
+    lines = _lines(path) if sealed else csv_rows(path)
+    columns = [Column(name, unit, "", "", (unit, 1.0)) for name, unit in map(heading_of, lines[0])] if lines else []
     if len(lines) < 2 or "status" not in [column.name for column in columns]:
         raise DamagedRows(f"{path}: not a sweep's table as cvtflow table --csv prints it")
-    for number, line in enumerate(lines[1:], 2):
-        if len(line) != len(columns):
-            raise DamagedRows(f"{path}:{number}: {len(line)} cells, not {len(columns)}")
     return Rows(path, os.path.splitext(os.path.basename(path))[0], {}, columns, lines[1:])
