@@ -10,24 +10,18 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string_view>
 #include <vector>
 
-#include "engine/base/text.hpp"
 #include "tools/program/front.hpp"
 #include "tools/program/guard.hpp"
 
 namespace cvtflow::tools {
 
-namespace fs = std::filesystem;
-
 namespace {
-
-constexpr const char* packages = "python3 python3-matplotlib python3-h5py python3-jinja2";
 
 /// A file in memory without a name.
 class MemoryFile {
@@ -60,40 +54,19 @@ private:
     int number_;
 };
 
-/// Variables that a child process gets: what libraries are searched by, where temporary files go.
-std::vector<std::string> variables() {
-    std::vector<std::string> settings{"PATH=/usr/bin:/bin", "LC_ALL=C.UTF-8", "HDF5_USE_FILE_LOCKING=FALSE", "OPENBLAS_NUM_THREADS=1"};
-    for (const char* name : {"LD_LIBRARY_PATH", "TMPDIR", "CVTFLOW_TRACE"})
-        if (const char* value = std::getenv(name)) settings.push_back(fmt::format("{}={}", name, value));
-    return settings;
-}
-
-std::vector<char*> as_pointers(std::vector<std::string>& texts) {
-    std::vector<char*> all;
-    for (std::string& text : texts) all.push_back(text.data());
-    all.push_back(nullptr);
-    return all;
-}
-
 /// Exit status of the package, or 128 + signal. @throws std::runtime_error if it cannot be started
-int run_package(const MemoryFile& input, const MemoryFile& output, const MemoryFile& messages, bool reports) {
-    const std::string python = python_interpreter();
-    std::vector<std::string> words{python, "-I", "-B", "-X", "utf8", python_package("_draw.py")}, settings = variables();
-    const int progress = reports ? fcntl(STDERR_FILENO, F_DUPFD, 64) : -1;
-    if (progress >= 0) settings.push_back(fmt::format("CVTFLOW_PROGRESS={}", progress));
+int run_package(const MemoryFile& input, const MemoryFile& output, const MemoryFile& messages) {
+    const std::string words[] = {"draw"};
+    PythonStart start = python_start(words);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     int stream = 0;
     for (const MemoryFile* file : {&input, &output, &messages}) posix_spawn_file_actions_adddup2(&actions, file->number(), stream++);
     pid_t child = -1;
-    const int failed = posix_spawn(&child, words[0].c_str(), &actions, nullptr, as_pointers(words).data(), as_pointers(settings).data());
+    const int failed =
+        posix_spawn(&child, start.words[0].c_str(), &actions, nullptr, pointers(start.words).data(), pointers(start.environment).data());
     posix_spawn_file_actions_destroy(&actions);
-    if (progress >= 0) ::close(progress);
-    if (failed != 0)
-        throw std::runtime_error(
-            fmt::format("pictures, pages and load cycles require Python, and {} cannot be started: {} (Debian: apt-get install {}; "
-                        "CVTFLOW_PYTHON names another interpreter)",
-                        python.empty() ? "python3" : python, std::strerror(failed), packages));
+    if (failed != 0) throw std::runtime_error(start.failure(failed));
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
     return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
@@ -101,25 +74,12 @@ int run_package(const MemoryFile& input, const MemoryFile& output, const MemoryF
 
 }  // namespace
 
-std::string path_for_python(const std::string& path) {
-    std::string text;
-    for (const char character : fs::absolute(path).string()) {
-        const auto byte = static_cast<unsigned char>(character);
-        if (byte < 0x80U) {
-            text += character;
-        } else {
-            text += static_cast<char>(0xC0U | byte >> 6U);
-            text += static_cast<char>(0x80U | (byte & 0x3FU));
-        }
-    }
-    return text;
-}
-
-std::string drawn(const nlohmann::json& request, bool reports) {
+std::string drawn(const nlohmann::json& request) {
     const MemoryFile input(request.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)), output, messages;
-    const int status = run_package(input, output, messages, reports);
+    const int status = run_package(input, output, messages);
     std::string message = messages.contents();
     while (message.ends_with('\n')) message.pop_back();
+    if (constexpr std::string_view said = "cvtflow: "; message.starts_with(said)) message.erase(0, said.size());
     if (status == static_cast<int>(ExitStatus::usage)) throw UsageError(message);
     if (status != 0) throw std::runtime_error(message.empty() ? fmt::format("the Python package ended with status {}", status) : message);
     if (!message.empty()) print_error(message);

@@ -42,24 +42,16 @@ std::vector<std::string> environment(const fs::path& program) {
     return settings;
 }
 
-std::vector<char*> pointers(std::vector<std::string>& texts) {
-    std::vector<char*> all;
-    for (std::string& text : texts) all.push_back(text.data());
-    all.push_back(nullptr);
-    return all;
-}
-
-}  // namespace
-
-std::string python_interpreter() {
+std::string interpreter() {
     const char* named = std::getenv("CVTFLOW_PYTHON");
     if (named == nullptr || *named == '\0') return CVTFLOW_PYTHON_FOUND;
     if (!fs::path(named).is_absolute()) throw UsageError(fmt::format("CVTFLOW_PYTHON={}: expected an absolute path", named));
     return named;
 }
 
-std::string python_package(const std::string& name) {
-    const fs::path program = fs::canonical("/proc/self/exe"), build = CVTFLOW_BUILD_FOLDER;
+/// The package's file that is executed: of this build folder, or of the installation or wheel that contains this program.
+std::string package_file(const fs::path& program, const std::string& name) {
+    const fs::path build = CVTFLOW_BUILD_FOLDER;
     const bool built = std::mismatch(build.begin(), build.end(), program.begin(), program.end()).first == build.end();
     const fs::path place = (built ? build / "prefix/cvtflow" : program.parent_path().parent_path()) / CVTFLOW_PYTHON_DIR;
     const fs::path around = program.parent_path().parent_path();  // of a wheel, which has the program inside the package
@@ -73,16 +65,33 @@ std::string python_package(const std::string& name) {
                     place.string()));
 }
 
-void become_python(std::span<const std::string> words, const std::string& script) {
+}  // namespace
+
+std::vector<char*> pointers(std::vector<std::string>& texts) {
+    std::vector<char*> all;
+    for (std::string& text : texts) all.push_back(text.data());
+    all.push_back(nullptr);
+    return all;
+}
+
+std::string PythonStart::failure(int reason) const {
+    return fmt::format(
+        "{} requires Python, and {} cannot be started: {} (Debian: apt-get install python3 python3-matplotlib python3-h5py "
+        "python3-jinja2; CVTFLOW_PYTHON names another interpreter)",
+        words[6], words[0].empty() ? "python3" : words[0], std::strerror(reason));
+}
+
+PythonStart python_start(std::span<const std::string> words, const std::string& script) {
     const fs::path program = fs::canonical("/proc/self/exe");
-    const std::string python = python_interpreter();
-    std::vector<std::string> command{python, "-I", "-B", "-X", "utf8", python_package(script)}, settings = environment(program);
-    command.insert(command.end(), words.begin(), words.end());
-    execve(python.c_str(), pointers(command).data(), pointers(settings).data());
-    throw std::runtime_error(
-        fmt::format("{} requires Python, and {} cannot be started: {} (Debian: apt-get install python3 python3-matplotlib python3-h5py "
-                    "python3-jinja2; CVTFLOW_PYTHON names another interpreter)",
-                    words.front(), python.empty() ? "python3" : python, std::strerror(errno)));
+    PythonStart start{{interpreter(), "-I", "-B", "-X", "utf8", package_file(program, script)}, environment(program)};
+    start.words.insert(start.words.end(), words.begin(), words.end());
+    return start;
+}
+
+void become_python(std::span<const std::string> words, const std::string& script) {
+    PythonStart start = python_start(words, script);
+    execve(start.words[0].c_str(), pointers(start.words).data(), pointers(start.environment).data());
+    throw std::runtime_error(start.failure(errno));
 }
 
 }  // namespace cvtflow::tools

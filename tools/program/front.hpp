@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 namespace cvtflow::tools {
 
@@ -14,10 +15,15 @@ namespace cvtflow::tools {
 /// @throws UsageError, std::runtime_error: what to install where package or interpreter is missing
 [[noreturn]] void become_python(std::span<const std::string> words, const std::string& script = "__main__.py");
 
-/// The interpreter that runs the package. @throws UsageError for a relative CVTFLOW_PYTHON
-[[nodiscard]] std::string python_interpreter();
-/// A file of the package of this build folder, or of the installation that contains this program. @throws std::runtime_error where it is
-/// not there, or others may change it
-[[nodiscard]] std::string python_package(const std::string& name);
+/// How a command of Python is started.
+struct PythonStart {
+    std::vector<std::string> words, environment;  ///< the interpreter first
+    /// "NAME requires Python, and … cannot be started: REASON". @param reason errno
+    [[nodiscard]] std::string failure(int reason) const;
+};
+/// @throws UsageError for a relative CVTFLOW_PYTHON; std::runtime_error for a package that is not there, or that others may change
+[[nodiscard]] PythonStart python_start(std::span<const std::string> words, const std::string& script = "__main__.py");
+/// Texts as a list that ends with nullptr.
+[[nodiscard]] std::vector<char*> pointers(std::vector<std::string>& texts);
 
 }  // namespace cvtflow::tools

@@ -24,4 +24,4 @@ if __name__ == "__main__":
     _load_package()
     from cvtflow.commands import _front
 
-    sys.exit(_front.main(COMMANDS, sys.argv[1:]))
+    sys.exit(_front.main(COMMANDS | {"draw": "draw"}, sys.argv[1:]))

@@ -24,7 +24,7 @@ USUAL_PARAMETERS = ("drive.inertia", "drive.governor_frequency", "load.inertia",
                     "plate.friction_coefficient", "joint.friction_coefficient", "tip.friction_coefficient", "tip.friction_scale",
                     "pulley.cylinder_damping", "clamping.safety", "control.proportional", "control.integral")
 _NOT_SHOWN = ("N*m", "J", "W", "K")  # their usual units have other dimensions' names, or an offset
-_HERE = os.path.dirname(os.path.abspath(__file__))
+_HERE = os.path.dirname(os.path.realpath(__file__))
 
 
 def _chosen(option, requested, known, everything, usual):

@@ -1,4 +1,4 @@
-"""Results over time with units, frames and plots, and records of runs, read on demand. Needs no compiled module (_draw.py)."""
+"""Results over time with units, frames and plots, and records of runs, read on demand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Results of sweeps as columns, with units, frames and plots. Needs no compiled module (_draw.py)."""
+"""Results of sweeps as columns, with units, frames and plots."""
 
 from __future__ import annotations
 

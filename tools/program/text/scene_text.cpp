@@ -42,11 +42,6 @@ std::string detail_text(const tasks::Scene& scene) {
     return name.empty() ? fmt::format("{}; {}", dials, friction) : fmt::format("{} ({}); {}", name, dials, friction);
 }
 
-std::string level_text(const tasks::Scene& scene) {
-    const std::string_view name = tasks::level_of(scene);
-    return name.empty() ? "own detail" : std::string(name);
-}
-
 std::string value_text(const engine::Attribute& attribute) {
     if (const auto* text = std::get_if<std::string>(&attribute.value)) return *text;
     if (const auto* number = std::get_if<double>(&attribute.value)) return fmt::format("{:.6g}", *number);

@@ -27,9 +27,6 @@ namespace cvtflow::tools {
 /// The scene that a file was made from, its start state not read; none if this program cannot read it.
 [[nodiscard]] std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attributes, std::string_view name);
 
-/// "fine", or "own detail" where the scene has none of the named levels.
-[[nodiscard]] std::string level_text(const tasks::Scene& scene);
-
 /// Lines of `check`: running radii, arcs, frequency of passing pins, found gains. Empty without pulleys.
 [[nodiscard]] std::string machine_lines(const tasks::Scene& scene);
 

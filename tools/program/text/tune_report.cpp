@@ -130,9 +130,7 @@ nlohmann::ordered_json tune_json(const tasks::TuneResult& result, const std::vec
                         {"wall", result.wall}};
 }
 
-std::string tune_picture(const nlohmann::ordered_json& json, const std::string& mark) {
-    return drawn({{"command", "choices"}, {"format", "svg"}, {"mark", mark}, {"tuning", json}});
-}
+std::string tune_picture(const nlohmann::ordered_json& json, const std::string& mark) { return drawn({{"mark", mark}, {"tuning", json}}); }
 
 std::string unseen_text(const tasks::TuneResult& result, const std::vector<tasks::UnseenPoint>& unseen) {
     std::vector<Table::Column> columns{{"point not used by tuning"}};
