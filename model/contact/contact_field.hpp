@@ -1,7 +1,7 @@
 #pragma once
 /// Every friction contact of the chain, for fixed coordinates and changing velocities, laid out component by component so that lanes can
-/// run over links: [component][column], column = link + 1; column 0 repeats the last link's frame, column links + 1 the first link's, and
-/// its joint. For pin halves only.
+/// run over links: [component][column], column = link + FrictionRange::shift; the columns beside a range repeat the frames of the links
+/// beside it, the one behind it also their joint. For pin halves only.
 ///
 /// Velocities inside a step are floats. They count from those at which the contacts were recorded, so that small differences of large
 /// velocities are taken in double precision, once a step; a field also holds how contacts slide at those.

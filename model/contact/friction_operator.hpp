@@ -53,9 +53,9 @@ public:
     /// make_friction() (model/variator/variator.hpp) makes one with the kernels of the chain's instruction set.
     FrictionOperator(const ChainModel& chain, const FrictionKernels& kernels);
 
-    /// Number of scratch numbers for a range of `links` links.
+    /// Number of scratch numbers for a range of `links` links: rows of the forces of its joints (JointContacts).
     [[nodiscard]] int scratch_size(int links) const noexcept { return scratch_rows(chain_.layout().lateral()) * joint_stride(links); }
-    [[nodiscard]] static constexpr int scratch_rows(int lateral) noexcept { return 2 * lateral + 7; }
+    [[nodiscard]] static constexpr int scratch_rows(int lateral) noexcept { return 2 * lateral + 4; }
 
     /// Columns of a row of scratch.
     [[nodiscard]] static constexpr int joint_stride(int links) noexcept {

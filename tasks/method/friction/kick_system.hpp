@@ -2,6 +2,15 @@
 /// Work of leapfrogs by segments before and after friction inside a step, for any solver of friction: contacts and all other forces are
 /// recorded in the middle of the step; loads, velocities and coordinates are returned at its end. Columns of fields that outlast a step
 /// move with the borders of segments.
+///
+/// A segment needs the links beside it, its ghosts:
+///
+///     segment s          … 13 14 15 [16]          [16]: the first link of s + 1
+///     segment s + 1            [15] 16 17 18 …    [15]: the last link of s
+///
+/// Their coordinates in the middle of a step: a GhostLink advances by itself, by velocities that its owner has handed over, to its owner's
+/// bits. Their velocities after each pass: those that the joint between both depends on are handed over (SegmentEdges). So no segment reads
+/// another's state, and no cache line has two writers.
 
 #include <array>
 #include <span>
