@@ -4,8 +4,6 @@
 ///     … the HDF5 file …   "CVTFSEAL"   length of the file before the seal   its Checksum   Checksum of these 24 bytes
 ///
 /// HDF5 and h5py pass over what comes behind a file's end. A file that is still being written, or whose writer was killed, has no seal.
-///
-/// Also the checksum that HDF5 puts behind each piece of its metadata, for the one place where HDF5 forgets to renew it.
 
 #include <array>
 #include <cstddef>
@@ -39,12 +37,3 @@ enum class Seal {
 
 }  // namespace cvtflow::engine
 
-namespace cvtflow::engine::hdf5 {
-
-/// Bob Jenkins' lookup3 (hashlittle), beginning with 0.
-[[nodiscard]] std::uint32_t metadata_checksum(std::span<const std::byte> bytes) noexcept;
-
-/// Renews the checksum of a superblock of version 2 or 3, after its flags have been changed. @param file its first 48 bytes at least
-void renew_superblock(std::span<std::byte> file) noexcept;
-
-}  // namespace cvtflow::engine::hdf5

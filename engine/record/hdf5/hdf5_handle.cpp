@@ -64,12 +64,6 @@ int descriptor_of(hid_t file) {
     return *static_cast<int*>(handle);
 }
 
-std::uint64_t bytes_on_disk(hid_t file) {
-    struct stat status {};
-    if (fstat(descriptor_of(file), &status) != 0) throw Failure(std::string("cannot get the file's size: ") + std::strerror(errno));
-    return static_cast<std::uint64_t>(status.st_size);
-}
-
 Handle live_access() {
     Handle access = file_access();
     check(H5Pset_metadata_read_attempts(access.id(), 22), "cannot make access properties");

@@ -80,8 +80,6 @@ decltype(auto) guarded(const std::string& path, Body&& body) {
     }
 }
 
-/// Bytes that the file of an identifier has on disk now; the size in its header may be any number. Throws Failure.
-[[nodiscard]] std::uint64_t bytes_on_disk(hid_t file);
 /// Descriptor of an open file. Throws Failure.
 [[nodiscard]] int descriptor_of(hid_t file);
 

@@ -1,12 +1,12 @@
 #pragma once
 /// One state in a small HDF5 file: settled start states and checkpoints.
 ///
-///     /          attributes: format "cvtflow state", format_version, time [s], fingerprint, state_hash, and those given
+///     /          attributes: format "cvtflow state", format_version, time [s], fingerprint, and those given
 ///     /y         [size] float64
 ///     /phases    [count] uint8
 ///     /more/<name>  [size] float64: whatever else belongs to the state; absent if there is nothing
 ///
-/// and the seal behind it (file_seal.hpp). `state_hash` is of all of this, as it is read: a state is what was saved, or refused.
+/// and the seal behind it (file_seal.hpp): a state is what was saved, or refused.
 
 #include <cstdint>
 #include <string>
@@ -34,7 +34,7 @@ struct SavedState {
     bool operator==(const SavedState&) const = default;
 };
 
-/// Writes the file atomically: readers see the former file or the new one, also after a kill or a power cut. Built in memory, written to
+/// Writes the file atomically: readers see the former file or the new one, also after a kill or a power cut. Written to
 /// `<path>.part`, synced, renamed. Throws RecordError: missing folder, not writable, disk full, another process writing the same file.
 /// @param durable  whether it is on disk when this returns
 void write_state(const Permit& permit, const SavedState& saved, bool durable = true);
@@ -42,7 +42,7 @@ void write_state(const Permit& permit, const SavedState& saved, bool durable = t
 void write_state(const std::string& path, const SavedState& saved);
 
 /// Reads a state bit for bit as it was written, with attributes sorted by name. Throws RecordError: missing, not HDF5, truncated, damaged
-/// (no seal, a broken one, or another state_hash), another kind.
+/// (no seal, or a broken one), another kind.
 [[nodiscard]] SavedState read_state(const std::string& path);
 
 }  // namespace cvtflow::engine

@@ -77,11 +77,5 @@ TEST(Hdf5Handle, PrintsNothingWhereItCannotBeClosed) {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-TEST(Hdf5Checksum, IsJenkinsLookup3) {
-    const auto sum = [](std::string_view text) { return metadata_checksum(std::as_bytes(std::span(text))); };
-    EXPECT_EQ(sum(""), 0xdeadbeefU);  // values of the self-test by its author
-    EXPECT_EQ(sum("Four score and seven years ago"), 0x17770551U);
-}
-
 }  // namespace
 }  // namespace cvtflow::engine::hdf5
