@@ -203,8 +203,9 @@ std::string RowFiles::row(long number) const {
     const auto& [source, begin, bytes] = places_.at(number);
     std::string line(bytes + 1 + checksum_digits, '\0');
     try {
-        const InputFile file(sources_[source].path);
-        line.resize(file.read(begin, reinterpret_cast<std::byte*>(line.data()), line.size()));
+        if (!open_ || opened_ != source) open_.emplace(sources_[source].path);
+        opened_ = source;
+        line.resize(open_->read(begin, reinterpret_cast<std::byte*>(line.data()), line.size()));
     } catch (const InputError& error) {
         throw RecordError(sources_[source].path + ": " + error.what());
     }

@@ -62,7 +62,7 @@ private:
     std::unique_ptr<Ticker> ticker_;
 };
 
-/// The rows of a folder on disk: 32 bytes in memory for each. Writes and locks nothing.
+/// The rows of a folder on disk: some 80 bytes in memory for each. Writes and locks nothing. One thread at a time.
 class RowFiles {
 public:
     /// Reads DIR/results.csv if `complete`, else all files of rows; none if the folder does not exist. @throws RecordError
@@ -103,6 +103,8 @@ private:
     std::vector<Source> sources_;
     std::map<long, Place> places_;
     std::vector<std::string> damage_;
+    mutable std::optional<InputFile> open_;  ///< the file of the last row() …
+    mutable std::size_t opened_ = 0;         ///< … and its source
 };
 
 /// Names of the files of rows in a folder, sorted.
