@@ -76,4 +76,3 @@ int write_seal(int descriptor, std::uint64_t length) noexcept {
 }
 
 }  // namespace cvtflow::engine
-

@@ -36,4 +36,3 @@ enum class Seal {
 [[nodiscard]] int write_seal(int descriptor, std::uint64_t length) noexcept;
 
 }  // namespace cvtflow::engine
-
