@@ -98,6 +98,7 @@ RowWriter::RowWriter(const std::string& folder, const std::string& heading) {
     } catch (const RecordError&) {}  // a file system without locks: others tell by its silence when this process is gone
     if (const int reason = write_all(file_.number(), heading); reason != 0) fail(path_, "write", reason);
     sync();
+    fsync(Descriptor(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)).number());  // its name survives a power cut, too
     ticker_ = std::make_unique<Ticker>(std::chrono::seconds(1), [this] { tick(); });
 }
 
