@@ -33,7 +33,7 @@ bool is_open_to_others(const fs::path& path, uid_t owner_of_program) {
 std::vector<std::string> environment(const fs::path& program) {
     std::vector<std::string> settings{"PATH=/usr/bin:/bin", "LC_ALL=C.UTF-8", "HDF5_USE_FILE_LOCKING=FALSE", "OPENBLAS_NUM_THREADS=1",
                                       "CVTFLOW_PROGRAM=" + program.string()};
-    constexpr std::string_view kept[] = {"LD_LIBRARY_PATH", "LD_PRELOAD", "TMPDIR", "COLUMNS"};
+    constexpr std::string_view kept[] = {"LD_LIBRARY_PATH", "LD_PRELOAD", "TMPDIR", "COLUMNS", "SOURCE_DATE_EPOCH"};
     for (char** each = environ; *each != nullptr; ++each) {
         const std::string_view setting = *each, name = setting.substr(0, setting.find('='));
         const bool own = name.starts_with("CVTFLOW_") && name != "CVTFLOW_PROGRAM";
