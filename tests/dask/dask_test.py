@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the Dask program of docs/clusters.md on a real local cluster of two processes and compares its results hash with one process's.
+"""Runs the Dask program of docs/sweeps.md on a real local cluster of two processes and compares its results hash with one process's.
 
 Usage: dask_test.py PROGRAM SOURCE_DIR. Exit status 77: python3-distributed is missing (ctest reports it as skipped).
 """
@@ -17,7 +17,7 @@ except ImportError:
     sys.exit(77)
 
 program, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-page = (source / "docs/clusters.md").read_text(encoding="utf-8")
+page = (source / "docs/sweeps.md").read_text(encoding="utf-8")
 
 
 def block(file):
