@@ -231,8 +231,6 @@ bool CaseEngine::due(double time, const Counters& /*counters*/) {
     return left > control_.grace_left();
 }
 
-bool CaseEngine::pass(RunLoop& /*loop*/) { return false; }
-
 double BatchProgress::left() const noexcept {
     const long open = cases - before - done;
     if (open == 0) return 0.0;

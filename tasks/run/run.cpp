@@ -33,7 +33,7 @@ public:
     [[nodiscard]] bool due(double /*time*/, const Counters& /*counters*/) override {
         return options_.checkpoint_every > 0.0 && since(last_) >= options_.checkpoint_every;
     }
-    [[nodiscard]] bool pass(RunLoop& /*loop*/) override {
+    [[nodiscard]] bool pass() override {
         save();
         return true;
     }

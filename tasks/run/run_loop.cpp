@@ -33,47 +33,47 @@ RunEnd end_of(const Scene& scene) {
 }
 
 Fault RunLoop::settle(double from) {
-    if (!simulation_->needs_settling()) return {};
+    if (!simulation_.needs_settling()) return {};
     history_.settled = true;
     if (recorder_ != nullptr) recorder_->begin_part(from, 0.0);
     return part(0.0, history_.settling_wall);
 }
 
 Fault RunLoop::run(const RunEnd& end) {
-    if (!simulation_->integration_state().started) history_.begin = simulation_->time();
+    if (!simulation_.integration_state().started) history_.begin = simulation_.time();
     if (recorder_ != nullptr) recorder_->begin_part(history_.begin, end.latest);
     return part(end.time, history_.wall);
 }
 
 /// Advances from the present state until the part is complete. @param wall  of the part, which is right in every pause [s]
 Fault RunLoop::part(double until, double& wall) {
-    const bool settling = simulation_->needs_settling();
+    const bool settling = simulation_.needs_settling();
     for (;;) {
         const auto started = std::chrono::steady_clock::now();
         pause_ = false;
-        const Fault fault = simulation_->advance({.until = until, .pause = &pause_}, *this, cancel_);
+        const Fault fault = simulation_.advance({.until = until, .pause = &pause_}, *this, cancel_);
         wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-        if (settling) history_.settling = simulation_->counters();
+        if (settling) history_.settling = simulation_.counters();
         if (fault.kind != FaultKind::cancelled || !pause_) return fault;
         if (means_.ended()) return means_.steady_fault();
         if (sheave_due()) {
             hold_sheave();
             continue;
         }
-        if (!pauses_.pass(*this)) return fault;
+        if (!pauses_.pass()) return fault;
     }
 }
 
 bool RunLoop::sheave_due() const noexcept {
     const double periods = means_.rule().controlled;
     return periods > 0.0 && static_cast<double>(means_.curve().points().size()) > periods &&
-           !simulation_->workspace().variator.pulleys().torques().held().sheave;
+           !simulation_.workspace().variator.pulleys().torques().held().sheave;
 }
 
 void RunLoop::hold_sheave() {
-    model::HeldInputs held = simulation_->workspace().variator.pulleys().torques().held();
-    held.sheave = sheave_of(means_, *simulation_);
-    simulation_->hold(held);
+    model::HeldInputs held = simulation_.workspace().variator.pulleys().torques().held();
+    held.sheave = sheave_of(means_, simulation_);
+    simulation_.hold(held);
 }
 
 void RunLoop::output(double time, const Workspace& workspace, const Counters& counters) {

@@ -9,16 +9,14 @@
 
 namespace cvtflow::tasks {
 
-class RunLoop;
-
-/// Reasons to pause a run at an output: a checkpoint, other threads, a request to stop.
+/// Reasons to pause a run at an output: a checkpoint, a request to stop.
 class Pauses {
 public:
     virtual ~Pauses() = default;
     /// Whether the run pauses here; asked at every output. time [s]
     [[nodiscard]] virtual bool due(double time, const Counters& counters) = 0;
     /// Does between two steps what the pause is for. false: the run ends, as if it were cancelled.
-    [[nodiscard]] virtual bool pass(RunLoop& loop) = 0;
+    [[nodiscard]] virtual bool pass() = 0;
 
 protected:
     Pauses() = default;
@@ -40,12 +38,10 @@ public:
     /// @param means  end the run where they are steady   @param observer  sees outputs, samples and transitions after the recorder
     RunLoop(Simulation& simulation, RunHistory& history, const RunMeans& means, Pauses& pauses, RunObserver& observer,
             const engine::Cancellation& cancel)
-        : simulation_(&simulation), history_(history), means_(means), pauses_(pauses), observer_(observer), cancel_(cancel) {}
+        : simulation_(simulation), history_(history), means_(means), pauses_(pauses), observer_(observer), cancel_(cancel) {}
 
     /// Records outputs; nullptr: none.
     void record(RunRecorder* recorder) noexcept { recorder_ = recorder; }
-    /// Continues with another simulation, which has taken the state of this one. Only in Pauses::pass().
-    void move_to(Simulation& simulation) noexcept { simulation_ = &simulation; }
     /// Settles from the present state on, if the start needs it. @param from begin of settling, negative [s]
     [[nodiscard]] Fault settle(double from);
     /// Runs from the present state to the end.
@@ -60,7 +56,7 @@ private:
     void sample(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord& record) override;
 
-    Simulation* simulation_;
+    Simulation& simulation_;
     RunHistory& history_;
     const RunMeans& means_;
     Pauses& pauses_;

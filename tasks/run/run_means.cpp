@@ -153,18 +153,16 @@ SteadyRule steady_rule(const Scene& scene) noexcept {
     const bool turns_matter = p.imperfection.runout != 0.0 || p.imperfection.attachment != 1.0 || p.imperfection.unbalance != 0.0 ||
                               p.imperfection.pin_length_spread != 0.0 || pins % pitches != 0;
     const bool holds_ratio = p.control.enabled && p.control.quantity == model::ControlledQuantity::ratio;
-    return {scene.run.steady,
-            scene.run.steady_limit * pins,
-            static_cast<double>(pins),
-            static_cast<double>(turns_matter ? pins : pitches),
-            holds_ratio,
-            scene.when_steady == WhenSteady::hold ? periods_of_control : 0.0,
-            model::grip(p.tip),
-            p.load.mode == model::LoadMode::torque ? model::shaft_inertia(p.pulley, p.load.inertia) : 0.0,
-            0.0,
-            0.0,
-            changes,
-            pressures};
+    return {.tolerance = scene.run.steady,
+            .limit = scene.run.steady_limit * pins,
+            .pins = static_cast<double>(pins),
+            .repeats = static_cast<double>(turns_matter ? pins : pitches),
+            .holds_ratio = holds_ratio,
+            .controlled = scene.when_steady == WhenSteady::hold ? periods_of_control : 0.0,
+            .grip = model::grip(p.tip),
+            .inertia = p.load.mode == model::LoadMode::torque ? model::shaft_inertia(p.pulley, p.load.inertia) : 0.0,
+            .changes = changes,
+            .pressures = pressures};
 }
 
 void RunMeans::clear() noexcept {
