@@ -40,12 +40,6 @@ std::string visible(std::string_view text) {
     return shown;
 }
 
-bool has_control(std::string_view text) noexcept {
-    for (std::size_t at = 0; at < text.size(); ++at)
-        if (control_size(text.substr(at)) > 0) return true;
-    return false;
-}
-
 std::string error_text(const std::exception& error) {
     if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
         const std::string path = file->path1().string();

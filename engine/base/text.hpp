@@ -20,8 +20,6 @@ namespace cvtflow::engine {
 /// The text with its control characters spelt out ("\x1b"), also those of two bytes in UTF-8 (U+0080 to U+009F): a terminal shows what a
 /// file contains without executing it. Line breaks and tabs are kept.
 [[nodiscard]] std::string visible(std::string_view text);
-/// Whether it holds a control character, line breaks and tabs included.
-[[nodiscard]] bool has_control(std::string_view text) noexcept;
 
 /// Defect of the name of a scene or a sweep, which may become part of a file's name: "contains '/'" …; empty: nothing.
 [[nodiscard]] std::string name_problem(std::string_view name);

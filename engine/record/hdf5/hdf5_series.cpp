@@ -54,12 +54,6 @@ Handle open_series(hid_t file, const std::string& path) {
     return {H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "cannot open '" + path + "'"};
 }
 
-void append_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data) {
-    const std::array<hsize_t, 2> extent{before + rows, width};
-    check(H5Dset_extent(dataset, extent.data()), "cannot write");
-    write_rows(dataset, type, width, before, rows, data);
-}
-
 void write_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data) {
     const RowSpaces spaces(dataset, width == 0 ? 1 : 2, before, rows, width, "cannot write");
     check(H5Dwrite(dataset, type, spaces.memory.id(), spaces.file.id(), H5P_DEFAULT, data), "cannot write");
@@ -138,9 +132,8 @@ int require_record_type(hid_t type, const std::string& what) {
     for (unsigned i = 0; i < static_cast<unsigned>(members); ++i) {
         const Handle member(H5Tget_member_type(type, i), H5Tclose, what);
         const H5T_class_t kind = H5Tget_class(member.id());
-        const bool text = kind == H5T_STRING && check(H5Tis_variable_str(member.id()), what) == 0;
-        if (!text && ((kind != H5T_INTEGER && kind != H5T_FLOAT) || H5Tget_size(member.id()) != 8))
-            throw Failure(what + ": its column " + std::to_string(i + 1) + " is neither text nor an 8-byte number");
+        if ((kind != H5T_INTEGER && kind != H5T_FLOAT) || H5Tget_size(member.id()) != 8)
+            throw Failure(what + ": its column " + std::to_string(i + 1) + " is no 8-byte number");
     }
     return members;
 }

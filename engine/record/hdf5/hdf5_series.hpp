@@ -27,15 +27,12 @@ struct SeriesShape {
 /// Opens a dataset without checks, to append to it. Throws Failure("cannot open '<path>': reason").
 [[nodiscard]] Handle open_series(hid_t file, const std::string& path);
 
-/// Adds rows at the end of a dataset. @param width  elements per row of [rows, width]; 0: [rows]   @param before  rows so far. Throws
-/// Failure.
-void append_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data);
-
-/// Writes rows of a dataset that is long enough. Parameters and errors as above.
+/// Writes rows of a dataset that is long enough. @param width  elements per row of [rows, width]; 0: [rows]   @param before  rows before
+/// them. Throws Failure.
 void write_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data);
 
 /// Required type of elements.
-enum class Cells { reals, bytes, records };  ///< float64; 8-bit integers; compounds of 8-byte numbers and texts
+enum class Cells { reals, bytes, records };  ///< float64; 8-bit integers; compounds of 8-byte numbers
 
 /// A dataset that is read.
 class Series {
@@ -72,7 +69,7 @@ private:
 /// Paths of all datasets of a group and of the groups in it, relative to it, sorted; empty if it is not there. Throws Failure.
 [[nodiscard]] std::vector<std::string> dataset_names(hid_t file, const std::string& group);
 
-/// Throws Failure for a compound that is made of anything but 8-byte numbers and texts of fixed length. @return its members
+/// Throws Failure for a compound that is made of anything but 8-byte numbers. @return its members
 int require_record_type(hid_t type, const std::string& what);
 
 /// Rows of several datasets of equal length. Memory for one chunk of rows is taken at construction; put() and advance() never allocate.

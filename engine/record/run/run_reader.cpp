@@ -1,6 +1,7 @@
 #include "engine/record/run/run_reader.hpp"
 
 #include <algorithm>
+#include <new>
 
 #include "engine/record/hdf5/hdf5_handle.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
@@ -35,7 +36,7 @@ TableInfo read_table_info(hid_t file, const std::string& name) {
     for (unsigned i = 0; i < static_cast<unsigned>(members); ++i) {
         const std::unique_ptr<char, herr_t (*)(void*)> column(H5Tget_member_name(type.id(), i), H5free_memory);
         const H5T_class_t kind = H5Tget_member_class(type.id(), i);
-        if (column == nullptr || kind == H5T_STRING) throw hdf5::Failure("cannot read table '" + name + "': it has texts");
+        if (column == nullptr) throw std::bad_alloc();
         const auto text = [&](const auto& texts) { return i < texts.size() ? texts[i] : ""; };
         table.columns.push_back(
             {column.get(), text(units), text(descriptions), kind == H5T_INTEGER ? ColumnType::integer : ColumnType::real});
