@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -32,16 +33,6 @@ constexpr std::size_t window_bytes = std::size_t{1} << 20U;
     throw RecordError(fmt::format("{}: cannot {}: {}", path, what, std::strerror(reason)));
 }
 
-constexpr std::array<std::uint32_t, 256> crc_table = [] {
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t byte = 0; byte < table.size(); ++byte) {
-        std::uint32_t value = byte;
-        for (int bit = 0; bit < 8; ++bit) value = (value >> 1U) ^ ((value & 1U) != 0 ? 0xEDB88320U : 0U);
-        table[byte] = value;
-    }
-    return table;
-}();
-
 /// Name of this machine as a part of a file's name, without '-', which separates it from the number of the process.
 std::string machine_name() {
     std::array<char, 256> name{};
@@ -68,9 +59,7 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 }  // namespace
 
 std::uint32_t crc32(std::string_view bytes) noexcept {
-    std::uint32_t value = ~0U;
-    for (const char byte : bytes) value = (value >> 8U) ^ crc_table[(value ^ static_cast<unsigned char>(byte)) & 0xFFU];
-    return ~value;
+    return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 std::string checked_line(std::string_view cells) { return fmt::format("{},{:08x}\n", cells, crc32(cells)); }
