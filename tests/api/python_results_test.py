@@ -10,6 +10,7 @@ import pty
 import re
 import subprocess
 import sys
+import tempfile
 import time
 import types
 import unittest
@@ -294,6 +295,10 @@ class Faces(unittest.TestCase):
         for part in ("<caption>tiny", "<th>time</th><td>-0.0003 s", "<svg", "<polyline"):
             self.assertIn(part, html)
         self.assertIn("[load]", tiny()._repr_html_())
+        rows = cvtflow.run(tiny(), channels=["slip", "tight_tension"])
+        self.assertRegex(rows._repr_html_(), r"<th>tight_tension</th><td>[0-9.]+ N</td>.*<title>slip over time</title>.*<polyline")
+        results = cvtflow.Sweep(tiny(), {"load.torque": [6.0, 12.0]}, "slip mean").run(self.enterContext(tempfile.TemporaryDirectory()))
+        self.assertRegex(results._repr_html_(), r"<th>load_torque</th><td>6 to 12 N\*m</td>.*<title>slip_mean over the cases</title>")
 
     def test_every_name_is_documented_and_has_types(self):
         package = Path(cvtflow.__file__).read_text()

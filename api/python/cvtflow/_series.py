@@ -12,6 +12,7 @@ import numpy as np
 
 from . import _known, _wear
 from ._channels import Channels, Columns, split, unknown
+from ._notebook import shown, with_unit
 from ._numbers import Array, cycles, mean
 
 
@@ -86,6 +87,15 @@ class Series:
                 weight[[0, -1]] *= 0.5
             made[name] = float(weight @ values[finite] / weight.sum()) if weight.size else math.nan
         return made
+
+    def _repr_html_(self) -> str:
+        """Means with their units, and the course of slip, or else of the first channel."""
+        if len(self["time"]) < 2:
+            return ""
+        rows = [(name, with_unit(value, self.info[name].unit)) for name, value in self.means().items() if "/" not in name]
+        names = [name for name, column in self.info.items() if column.width == 1 and name != "time"]
+        drawn = "slip" if "slip" in names else (names or ["time"])[0]
+        return shown(str(getattr(self, "path", "run")), rows, self[drawn][:: max(1, len(self["time"]) // 360)], f"{drawn} over time")
 
     def _begin(self):
         return self["time"][0]

@@ -18,6 +18,7 @@ from ._errors import ArgumentError, BusyError, SceneError, StartStateError, Stat
 from ._known import suggestion
 from ._library import (ON_LINE, Column, Counters, Energy, Info, Options, Transition, _WrongType, c, check, described, encoded, in_si, made,
                        message, plain)
+from ._notebook import shown, with_unit
 from ._scene import Scene, opened
 
 _BUSY = "the simulation is in use by another thread, or this is its own callback"
@@ -403,28 +404,15 @@ class Simulation:
 
     def _repr_html_(self) -> str:
         try:
-            cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in self._key_figures())
-            tension = self.channel("links/tension")
+            return shown(self._scene.name, self._key_figures(), list(self.channel("links/tension")), "tension of the links [N]")
         except RuntimeError as error:  # being stepped by another thread
             return f"<p>{escape(repr(self))}: {escape(str(error))}</p>"
-        return (f"<table><caption>{escape(self._scene.name)}</caption>{cells}</table>" + _picture(list(tension), "tension of the links [N]"))
 
     def _key_figures(self):
         rows = [("time", f"{self.time:.5g} s"), ("unknowns", str(self.size())), ("steps", str(self.counters().steps)),
                 ("balance", "closes" if self.energy().reliable else "does not close")]
-        return rows + [(name, f"{self.channels[name]:.5g}" + ("" if info.unit == "1" else f" {info.unit}"))
+        return rows + [(name, with_unit(self.channels[name], info.unit))
                        for name, info in self.channels.info.items() if info.width == 1 and "/" not in name]
-
-
-def _picture(values, title):
-    """Values side by side as a line, in SVG."""
-    width, height = 360, 90
-    low, high = min(values), max(values)
-    scale = (high - low) or 1.0
-    across = (width - 10) / max(1, len(values) - 1)
-    points = " ".join(f"{5 + k * across:.1f},{height - 5 - (v - low) / scale * (height - 10):.1f}" for k, v in enumerate(values))
-    return (f'<svg width="{width}" height="{height}" role="img"><title>{escape(title)}</title>'
-            f'<polyline fill="none" stroke="currentColor" points="{points}"/></svg>')
 
 
 _INPUTS = {each.name: each.value for each in Input} | {each: each.value for each in Input}

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _rows
 from ._known import UnknownName, is_key, quantity, suggestion
+from ._notebook import shown, with_unit
 
 
 COUNTS = ("case", "steps", "evaluations", "transitions", "truncated", "settling_evaluations")
@@ -150,6 +151,16 @@ class Results(dict[str, Any]):
                 made[name] = (axes, grid, {"units": self.info[name].unit, "long_name": self.info[name].description})
         coords = {name: (name, values, {"units": self.info[name].unit}) for name, (values, _) in zip(axes, points)}
         return xarray.Dataset(made, coords=coords)
+
+    def _repr_html_(self) -> str:
+        """What varies, with its range, and a column of results over the cases."""
+        scalars = [name for name in self if re.search("_(mean|median|min|max|rms|final)$", name)]
+        rows = [("cases", str(len(self["case"])))]
+        for name in [*self.axes(), *scalars]:
+            if not isinstance(column := self[name], list):
+                rows.append((name, f"{with_unit(np.nanmin(column), '')} to {with_unit(np.nanmax(column), self.info[name].unit)}"))
+        drawn = (scalars or ["case"])[0]
+        return shown(self.name or "sweep", rows, self[drawn], f"{drawn} over the cases")
 
     def __repr__(self):
         return f"<cvtflow.Results: {len(self['case'])} cases of {', '.join(self)}>"
