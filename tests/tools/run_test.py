@@ -232,6 +232,7 @@ class Commands(Program):
                                    capture_output=True, text=True)
             self.matches(listed, f"\n  {name} +{re.escape(shown.stdout.splitlines()[0])}\n")
             self.lacks(shown.stderr, "numpy", "ctypes")
+            self.lacks(shown.stdout, "\n  REQUIRED")  # without a name
 
     def test_take_an_instruction_set_before_or_after_their_name(self):
         for line in ("--isa baseline run tiny", "run tiny --isa baseline"):

@@ -67,7 +67,7 @@ def _usage_word(action):
 
 def _help_line(action):
     """`  -o,--output FILE              Picture to write`"""
-    value = action.metavar or "" if action.nargs != 0 else ""
+    value = "" if action.nargs == 0 else action.metavar or ("" if action.option_strings else action.dest.upper())
     name = " ".join(filter(None, [",".join(action.option_strings), value, "REQUIRED" if action.required else ""]))
     return f"  {name:<30}{action.help}" if len(name) < 30 else f"  {name}\n{'':32}{action.help}"
 
