@@ -115,8 +115,9 @@ class OneRecord(Pages):
         self.has(text, "shaft 1 drives (")
 
     def test_states_the_operating_point_and_means_with_the_digits_of_their_errors(self):
-        text = part(page(attribute("known.h5", errors_of_means="ratio: 0.0012\ntight tension: 25\n")), "figures")
-        self.matches(text, r'data-channel="ratio".*?>1\.\d{4}<.*?>± 0\.0012<', r'data-channel="tight_tension".*?>[\d.]+<.*?>± 0\.025<')
+        text = part(page(attribute("known.h5", errors_of_means="ratio: 0.0012\ntight tension: 25\nthrust ratio: 7e-15\n")), "figures")
+        self.matches(text, r'data-channel="ratio".*?>1\.\d{4}<.*?>± 0\.0012<', r'data-channel="tight_tension".*?>[\d.]+<.*?>± 0\.025<',
+                     r'data-channel="thrust_ratio".*?>1\.\d{1,5}<.*?>± 0<')
         for channel in ("shaft_1/speed", "shaft_1/torque", "shaft_1/clamping", "shaft_2/clamping"):
             self.has(text, f'data-channel="{channel}"')
 

@@ -100,7 +100,7 @@ def _figures(record, si):
         finite = values[np.isfinite(values)]
         label, factor = shown(name, column.unit, si)
         ends = (finite.min(), finite.max()) if len(finite) else (math.nan, math.nan)
-        error = factor * errors.get(name, math.nan)
+        error = factor * errors.get(name, math.nan) * (errors.get(name, 1.0) > 1e-9 * abs(mean(values)))  # of a constant: rounding
         means = [number(factor * each, _digits(error)) for each in (whole.get(name, mean(values)), late.get(name, math.nan))]
         means.insert(2 if steady else 1, number(error, "± {:.2g}"))
         rows.append([name, unit_of(label), *means, *(number(factor * each) for each in ends), column.description])
