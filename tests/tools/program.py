@@ -106,23 +106,18 @@ class Warm:
             for name in ("matplotlib.figure", "matplotlib.backends.backend_svg", "matplotlib.backends.backend_agg", "jinja2"):
                 importlib.import_module(name)
         self.args, self.returncode, self.files = words, None, [tempfile.TemporaryFile() for _ in range(2)]
-        sys.stdout.flush()
-        sys.stderr.flush()
         self.pid = os.fork()
         if self.pid == 0:
             atexit._clear()  # what the tests' own process tidies up
-            with open(os.devnull) as nothing:
-                for number, file in enumerate((nothing, *self.files)):
-                    os.dup2(file.fileno(), number)
+            for number, descriptor in enumerate((os.open(os.devnull, os.O_RDONLY), *(file.fileno() for file in self.files))):
+                os.dup2(descriptor, number)
             for name, number in (("stdout", 1), ("stderr", 2)):
-                setattr(sys, name, open(number, "w", encoding="utf-8", closefd=False))
+                setattr(sys, name, open(number, "w", buffering=1, encoding="utf-8", closefd=False))
             status = 1
             try:
                 status = sys.modules["cvtflow.commands._front"].main(self.package["COMMANDS"], words[1:])
             finally:
                 atexit._run_exitfuncs()
-                sys.stdout.flush()
-                sys.stderr.flush()
                 os._exit(status)
 
     def communicate(self, timeout=None):

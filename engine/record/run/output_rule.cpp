@@ -104,7 +104,7 @@ void require_place(const std::string& path) {
 bool is_owned(const OutputRule& rule, const std::string& file) {
     try {
         return rule.own && rule.own(file);
-    } catch (const RecordError&) {
+    } catch (const std::runtime_error&) {
         return false;
     }
 }

@@ -335,7 +335,12 @@ void keep_text(const std::string& folder, const Sweep& sweep) {
     const std::string path = in(folder, "sweep.toml");
     std::error_code absent;
     if (fs::exists(path, absent) && engine::read_text_input(path, longest_toml) == sweep.text) return;
-    engine::write_whole(engine::Permit(path, {.advice = remove_by_hand}), sweep.text);
+    const auto torn = [&](const std::string& part) {  // what a power cut has left of it: bytes of the text, others are zero
+        const std::string left = part.ends_with(".part") ? engine::read_text_input(part, longest_toml) : sweep.text + "\n";
+        return left.size() <= sweep.text.size() &&
+               std::equal(left.begin(), left.end(), sweep.text.begin(), [](char is, char was) { return is == was || is == '\0'; });
+    };
+    engine::write_whole(engine::Permit(path, {.own = torn, .advice = remove_by_hand}), sweep.text);
 }
 
 }  // namespace
