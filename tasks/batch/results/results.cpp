@@ -252,10 +252,9 @@ SweepFacts read_facts(const std::string& folder) {
     std::error_code absent;
     if (!fs::exists(path, absent)) {
         if (fs::exists(in(folder, "cases.h5"), absent) || fs::exists(in(folder, "workers"), absent))
-            throw engine::RecordError(
-                folder +
-                ": results of cvtflow 0.4 or before, which this version neither reads nor continues; `cvtflow table DIR --csv` of "
-                "that version writes a CSV, which this one reads; name another folder to run the sweep again");
+            throw engine::RecordError(folder +
+                                      ": results of cvtflow 0.4 or before, which this version neither reads nor continues; `cvtflow "
+                                      "table DIR --csv` of that version writes a CSV, which this one reads; name another folder");
         throw engine::RecordError(folder + ": contains no sweep");
     }
     try {
@@ -266,7 +265,8 @@ SweepFacts read_facts(const std::string& folder) {
     } catch (const engine::InputError& error) {
         throw engine::RecordError(path + ": " + error.what());
     } catch (const Json::exception&) {
-        throw engine::RecordError(path + ": damaged; rows beside it are kept: move it away, and the sweep continues with them");
+        const std::string other = engine::other_than_file(path);
+        throw engine::RecordError(path + ": " + (other.empty() ? "damaged: move it away, and the sweep continues with its rows" : other));
     }
 }
 
@@ -334,7 +334,7 @@ void require_same_sweep(const std::string& folder, const SweepFacts& there, cons
 void keep_text(const std::string& folder, const Sweep& sweep) {
     const std::string path = in(folder, "sweep.toml");
     std::error_code absent;
-    if (fs::exists(path, absent) && engine::read_text_input(path, longest_toml) == sweep.text) return;
+    if (fs::is_regular_file(fs::symlink_status(path, absent)) && engine::read_text_input(path, longest_toml) == sweep.text) return;
     const auto torn = [&](const std::string& part) {  // what a power cut has left of it: bytes of the text, others are zero
         const std::string left = part.ends_with(".part") ? engine::read_text_input(part, longest_toml) : sweep.text + "\n";
         return left.size() <= sweep.text.size() &&
