@@ -91,15 +91,15 @@ class Windows(unittest.TestCase):
         self.assertEqual(self.steps(inside, 2, 1, references, place), self.steps(inside, 2, 0, references))
 
     def test_a_library_older_than_that_for_linux_is_left_out(self):
-        place = self.folder / "built"
-        place.mkdir()
-        for name in ("cvtflow", "cvtflow_fmu.so", "cvtflow_fmu.dll", "cvtflow-scenes.path"):
-            shutil.copy2(pathlib.Path(PROGRAM).with_name(name), place)
-        newer = (place / "cvtflow_fmu.so").stat().st_mtime_ns
+        build, package = pathlib.Path(PROGRAM).parent, self.folder / "cvtflow"  # the package as a wheel has it
+        shutil.copytree(build / "python/cvtflow", package)
+        place = package / "lib/cvtflow"
+        place.mkdir(parents=True)
+        newer = [os.stat(shutil.copy2(build / name, place)).st_mtime_ns for name in ("cvtflow_fmu.dll", "cvtflow_fmu.so")][1]
         for age, expected in ((0, "Linux and Windows"), (10**9, "Linux only (cvtflow_fmu.dll is older")):
             os.utime(place / "cvtflow_fmu.dll", ns=(newer - age, newer - age))
-            done = subprocess.run([str(place / "cvtflow"), "export-fmu", "tiny", "-o", str(self.folder / "old.fmu"), "--force"],
-                                  capture_output=True, text=True, check=True)
+            done = subprocess.run(["/usr/bin/python3", "-I", "-B", package / "__main__.py", "export-fmu", "tiny", "-o", self.folder / "old.fmu", "--force"],
+                                  capture_output=True, text=True, check=True, env={**os.environ, "CVTFLOW_LIBRARY": str(build / "libcvtflow.so")})
             self.assertIn(expected, done.stdout)
         with zipfile.ZipFile(self.folder / "old.fmu") as parts:
             self.assertNotIn("binaries/x86_64-windows/tiny.dll", parts.namelist())
