@@ -24,33 +24,20 @@ def declare(parser):
     add("--rainflow", action="append", default=[], metavar="CHANNEL",
         help="Count the load cycles (ASTM E1049) of a channel, or of its elements NAME[3], NAME[*]; DIR is the record of a run; may be "
              "repeated")
-    add("--classes", type=_whole(1, 10000), default=16, metavar="COUNT", help="Number of classes of ranges [16]")
-    add("--exponent", type=_number(1.0, 50.0), default=5.0, metavar="NUMBER",
-        help="Exponent of the Woehler line, for the damage-equivalent range [5]")
+    add("--classes", type=_between(int, 1, 10000), default=16, metavar="COUNT", help="Number of classes of ranges [16]")
+    add("--exponent", type=_between(float, 1.0, 50.0), default=5.0, metavar="NUMBER", help="Exponent of the Woehler line, for the damage-equivalent range [5]")
     add("--from", dest="begin", metavar="TIME", help="Start of counting")
     add("--until", metavar="TIME", help="End of counting")
     add("--json", action="store_true", help="Cycles and classes as JSON, with provenance")
 
 
-def _number(least, most):
+def _between(kind, least, most):
     def read(text):
-        value = float(text)
-        if not least <= value <= most:
+        if not least <= (value := kind(text)) <= most:
             raise ValueError(text)
         return value
 
-    read.__name__ = f"number from {least:g} to {most:g}"
-    return read
-
-
-def _whole(least, most):
-    def read(text):
-        value = int(text)
-        if not least <= value <= most:
-            raise ValueError(text)
-        return value
-
-    read.__name__ = f"whole number from {least} to {most}"
+    read.__name__ = f"{'whole ' * (kind is int)}number from {least:g} to {most:g}"
     return read
 
 
