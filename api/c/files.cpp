@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "api/c/boundary.hpp"
+#include "engine/record/run/run_reader.hpp"
 #include "engine/thread/worker_threads.hpp"
 #include "tasks/run/run_recorder.hpp"
 
@@ -100,6 +101,11 @@ cvtflow_code cvtflow_record_finish(cvtflow_simulation* simulation, int32_t compl
         if (complete >= 0) static_cast<Recording&>(*ending).finish(complete != 0);
     };
     return api::guarded(message, action, ErrorCode::record);
+}
+
+cvtflow_code cvtflow_record_check(const char* path, cvtflow_message* message) {
+    return api::guarded(
+        message, [&] { engine::require_unchanged(&api::given(path, "path")); }, ErrorCode::record);
 }
 
 }  // extern "C"

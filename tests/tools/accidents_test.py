@@ -15,8 +15,8 @@ CALLS = ("open", "read", "write", "fsync", "rename", "fork")
 LINES = ("run scene.toml -o new.h5 --checkpoint-every '1 ms'", "batch sweep.toml -o new --threads 1", "check scene.toml",
          "resume old.checkpoint.h5 -q --set run.max_steps=0", "table old --csv", "info record.h5", "settle scene.toml -q -o new.h5",
          "export record.h5 --csv new.csv", "export-fmu scene.toml -q -o new.fmu")
-READERS = {"record.h5": "info {}", "state.h5": "check tiny --set start.state={}", "old.checkpoint.h5": "resume {} -q -o none",
-           "old/results.csv": "table {}"}
+READERS = (("record.h5", "info {}"), ("record.h5", "plot {} slip -o p.csv --force"), ("state.h5", "check tiny --set start.state={}"),
+           ("old.checkpoint.h5", "resume {} -q -o none"), ("old/results.csv", "table {}"))
 
 
 def results(line, out):
@@ -74,7 +74,7 @@ class Accidents(Program):
 
     def test_a_flipped_bit_of_a_file_is_a_message(self):
         chance = random.Random(1)
-        for name, line in READERS.items():
+        for name, line in READERS:
             good, count = Path(name).read_bytes(), depth(5, 40)
             end = len(good) - 33  # behind it is the checksum
             first = good.find(b"\n") + 1 if name.endswith(".csv") else 0  # each line has a checksum, but the heading

@@ -248,6 +248,8 @@ CVTFLOW_API cvtflow_code cvtflow_transitions(cvtflow_simulation* simulation, cvt
  * does a simulation that is destroyed before. Not in the core library. */
 CVTFLOW_API cvtflow_code cvtflow_record_begin(cvtflow_simulation* simulation, const char* path, int32_t replace, cvtflow_message* message);
 CVTFLOW_API cvtflow_code cvtflow_record_finish(cvtflow_simulation* simulation, int32_t complete, cvtflow_message* message);
+/* CVTFLOW_RECORD for a file that has changed since it was finished, by the checksum of all its bytes. Not in the core library. */
+CVTFLOW_API cvtflow_code cvtflow_record_check(const char* path, cvtflow_message* message);
 
 /* Inputs: what they are, by number from 0 on; CVTFLOW_ARGUMENT behind the last one. Strings live as long as the library is loaded; width is 1. */
 CVTFLOW_API cvtflow_code cvtflow_input_describe(int32_t input, cvtflow_channel_info* info, cvtflow_message* message);

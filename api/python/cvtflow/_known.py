@@ -7,7 +7,7 @@ import os
 import re
 
 from ._errors import RecordError, SceneError
-from ._library import described, display_unit, quantity  # noqa: F401 (for others)
+from ._library import c, check, described, display_unit, message, quantity  # noqa: F401 (for others)
 
 
 class Misuse(ValueError):
@@ -91,20 +91,12 @@ def suggestion(name, names):
     return f' (did you mean "{near[0]}"?)' if near else ""
 
 
-def require_file(path):
-    """Raises RecordError with the reason where a file cannot be opened."""
-    try:
-        open(path, "rb").close()
-    except OSError as error:
-        raise RecordError(f"{path}: {error.strerror}") from None
-
-
 def record_file(path):
     """An opened record. Raises RecordError, TypeError."""
     path = os.fspath(path)
     from ._reading import RecordFile
 
-    require_file(path)
+    check(c.record_check(os.fsencode(path), message()))
     try:
         return RecordFile(path)
     except (OSError, KeyError) as error:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <new>
 
+#include "engine/record/hdf5/file_seal.hpp"
 #include "engine/record/hdf5/hdf5_handle.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
@@ -61,6 +62,15 @@ std::vector<double> read_reals(hid_t file, const std::string& path, std::size_t 
 }
 
 }  // namespace
+
+void require_unchanged(const std::string& path) {
+    try {
+        if (inspect_seal(InputFile(path)) != Seal::broken) return;
+    } catch (const InputError& error) {
+        throw RecordError(path + ": " + error.what());
+    }
+    throw RecordError(path + ": damaged HDF5 file (changed after it was finished: its checksum differs)");
+}
 
 struct RunReader::Impl {
     hdf5::OpenFile opened;

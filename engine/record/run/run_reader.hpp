@@ -71,4 +71,7 @@ private:
     std::size_t rows_ = 0, states_ = 0;
 };
 
+/// For readers of others: @throws RecordError for a file that cannot be read, or whose bytes have changed since it was finished
+void require_unchanged(const std::string& path);
+
 }  // namespace cvtflow::engine
