@@ -110,8 +110,8 @@ double BeltArcSolver::coefficient(double speed) const { return law_ ? friction_ 
 BeltArcSolver::Contact BeltArcSolver::contact(double reduced, double along, double across, double pace) const {
     double per_speed = 0.0, outwards = 0.0;  // friction over sliding speed and outward friction, by normal force
     for (const auto& [deviation, weight] : vibration_ > 0.0 ? std::span<const Quadrature>(gauss) : std::span<const Quadrature>(still)) {
-        const double now = across + deviation * vibration_, speed = std::hypot(along, now);
-        const double share = coefficient(std::hypot(along, pace * now)) / std::max(speed, saturation_);
+        const double now = across + deviation * vibration_, speed = std::sqrt(along * along + now * now), seen = pace * now;
+        const double share = coefficient(std::sqrt(along * along + seen * seen)) / std::max(speed, saturation_);
         per_speed += weight * share;
         outwards += weight * share * now;
     }

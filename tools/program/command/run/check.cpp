@@ -70,7 +70,7 @@ Estimate cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulati
     text += field("record", fmt::format("{} every {}, {} every {}, up to {}", plural(outputs, "row"), time_text(run.output_interval),
                                         plural(states, "state"), time_text(state_interval),
                                         size_text(tasks::record_bytes(scene, simulation.workspace().variator.chain()))));
-    constexpr double trial = 0.3;  // [s]
+    constexpr double trial = 0.05;  // [s]
     std::string untried;
     tasks::Fault fault;
     const double wall = tasks::step_wall(scene, trial, untried, &fault);
