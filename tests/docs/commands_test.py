@@ -6,6 +6,7 @@ that need the laboratory run at depth deep, and nightly those that take longer t
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -42,8 +43,10 @@ class PageCommands(unittest.TestCase):
 
     def runs(self, block):
         """Whether this build provides everything that the block needs, at this depth."""
+        if missing := [each for each in block.comment.get("needs", "").split() if not shutil.which(each)]:
+            print(f"skipped line {block.line}: no {', '.join(missing)}", file=sys.stderr)
         now = self.nightly or ("nightly" not in block.comment and (DEEP or not block.is_deep()))
-        return block.runs() and now and (block.language != "python" or (BUILD / "python").exists())
+        return block.runs() and now and not missing and (block.language != "python" or (BUILD / "python").exists())
 
     def run_page(self, each, folder):
         """Blocks of Python that no command separates are one program, whose lines have the page's numbers."""

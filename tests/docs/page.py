@@ -10,7 +10,8 @@ TOP = Path(__file__).resolve().parents[2]
 
 class Block(NamedTuple):
     """A fenced block of a page, and what the comment above it states: `file` to which it is written, `nightly` its time if longer than
-    seconds, `deep` the suite that has its promise in quick runs, `not run` the reason why it cannot run."""
+    seconds, `deep` the suite that has its promise in quick runs, `needs` the optional programs without which it is skipped, `not run` the
+    reason why it cannot run."""
 
     line: int  # of the opening fence
     language: str
@@ -42,7 +43,7 @@ class Page(NamedTuple):
         found, comment, lines = [], {}, None
         for number, line, inside in self.walk():
             if not inside:
-                if match := re.fullmatch("<!-- (file|nightly|deep|not run): (.*) -->", line):
+                if match := re.fullmatch("<!-- (file|nightly|deep|needs|not run): (.*) -->", line):
                     comment[match[1]] = match[2]
             elif not line.startswith("```"):
                 lines.append(line + "\n")
