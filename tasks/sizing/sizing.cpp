@@ -227,6 +227,7 @@ Sizing size_scene(const Scene& scene) {
         if (same == sizing.points.end()) same = sizing.points.insert(same, *worst);
         same->reason += (same->reason.empty() ? "" : ", ") + std::string(name);
     }
+    sizing.instants = std::move(all);
     return sizing;
 }
 

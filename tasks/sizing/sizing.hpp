@@ -36,7 +36,8 @@ struct SizedPoint {
 struct Sizing {
     std::vector<SizedPoint> points;
     std::string objection;
-    bool of_tables = false;  ///< points are instants of the scene's tables
+    bool of_tables = false;              ///< points are instants of the scene's tables
+    std::vector<SizedPoint> instants{};  ///< of the tables: all, of which points are the worst
 };
 
 /// Instants of largest S_2, largest S_1, least safety and fastest shift, without S_1: size_driving() adds it.

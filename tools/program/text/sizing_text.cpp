@@ -103,7 +103,14 @@ std::string sizing_lines(const tasks::Scene& scene, const tasks::Sizing& sizing)
     return text;
 }
 
-std::string sizing_json(const tasks::Scene& scene, const tasks::Sizing& sizing) {
+std::string validity_lines(const std::vector<std::string>& outside) {
+    if (outside.empty()) return field("validity", "inside the ranges in which errors are known (guide: Validity)");
+    std::string text;
+    for (const std::string& sentence : outside) text += field(text.empty() ? "outside validity" : "", sentence);
+    return text;
+}
+
+std::string sizing_json(const tasks::Scene& scene, const tasks::Sizing& sizing, const std::vector<std::string>& outside) {
     auto points = nlohmann::ordered_json::array();
     auto units = nlohmann::ordered_json::object();
     for (const SizedPoint& at : sizing.points) {
@@ -112,7 +119,8 @@ std::string sizing_json(const tasks::Scene& scene, const tasks::Sizing& sizing) 
         if (!at.objection.empty()) point["objection"] = at.objection;
     }
     for (const SizedRow& row : sized_rows) units[row.key] = row.si;
-    return json_text({{"scene", scene.name}, {"objection", sizing.objection}, {"units", units}, {"points", points}});
+    return json_text(
+        {{"scene", scene.name}, {"objection", sizing.objection}, {"units", units}, {"points", points}, {"outside_validity", outside}});
 }
 
 }  // namespace cvtflow::tools

@@ -10,6 +10,7 @@
 #include "tasks/run/run_recorder.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/units.hpp"
+#include "tasks/sizing/validity.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/program.hpp"
@@ -121,8 +122,10 @@ ExitStatus check(const CheckArguments& options) {
     const tasks::Simulation simulation(scene);
     if (!loaded.notice.empty()) print_error(loaded.notice);
     const tasks::Sizing sizing = sizing_of(options, scene);
+    const double automatic = automatic_step(simulation);
+    const std::vector<std::string> outside = outside_validity(scene, sizing, automatic);
     if (options.json) {
-        fmt::print("{}", sizing_json(scene, sizing));
+        fmt::print("{}", sizing_json(scene, sizing, outside));
         return ExitStatus::finished;
     }
     if (options.torque) {
@@ -136,9 +139,9 @@ ExitStatus check(const CheckArguments& options) {
     text += field("size", size_line(simulation.workspace().layout()));
     text += field("start", start_line(scene, simulation));
     for (const std::string& difference : simulation.start_differences()) text += field("", difference);
-    const double step = scene.run.step.value_or(automatic_step(simulation));
-    const Estimate estimate = cost_lines(scene, simulation, step);
-    fmt::print("{}{}{}{}{}", text, machine_lines(scene), sizing_lines(scene, sizing), estimate.text, largest_step_line(scene, simulation));
+    const Estimate estimate = cost_lines(scene, simulation, scene.run.step.value_or(automatic));
+    fmt::print("{}{}{}{}{}{}", text, machine_lines(scene), sizing_lines(scene, sizing), validity_lines(outside), estimate.text,
+               largest_step_line(scene, simulation));
     if (estimate.objection.empty()) return ExitStatus::finished;
     print_error(fmt::format("{}: the run fails in its first steps: {}", scene.name, estimate.objection));
     return ExitStatus::error;
