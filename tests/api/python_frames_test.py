@@ -342,6 +342,26 @@ class Sweeps(Folder):
         with self.assertRaisesRegex(ValueError, "not below"):
             cvtflow.fit(scene, {key: (0.12, 0.06)}, {"load.torque": load, scalar: truth})
 
+    @scipy_only
+    def test_measured_data_of_csv_and_mat_are_the_same_numbers_in_si(self):
+        from cvtflow import _fit, _measured
+        from scipy.io import savemat
+
+        Path(self.folder, "rig.csv").write_text("load.torque [kN*m];slip mean [%];thrust_ratio mean\n0,04;0,5;1,1\n0,08;0,75;1,2\n")
+        columns = {"load_torque": [0.04, 0.08], "slip_mean": [0.5, 0.75], "thrust_ratio_mean": [1.1, 1.2]}
+        savemat(f"{self.folder}/rig.mat", {**columns, "units": {"load_torque": "kN*m", "slip_mean": "%"}, "note": "of a rig"})
+        for name in ("rig.csv", "rig.mat"):
+            points, targets = _fit._columns(_measured.Measured(f"{self.folder}/{name}"))
+            self.assertEqual((list(points), list(targets)), (["load.torque"], ["slip mean", "thrust_ratio mean"]))
+            np.testing.assert_allclose([points["load.torque"], *targets.values()], [[40, 80], [0.005, 0.0075], [1.1, 1.2]], rtol=1e-15)
+        savemat(f"{self.folder}/uneven.mat", {"slip": [1.0, 2.0], "ratio": [1.0, 2.0, 3.0]})
+        Path(self.folder, "text.mat").write_text("time,slip\n")
+        for name, message in (("uneven.mat", "different lengths"), ("text.mat", "not a MAT file")):
+            with self.assertRaisesRegex(ValueError, message):
+                _measured.Measured(f"{self.folder}/{name}")
+        with self.assertRaisesRegex(ValueError, 'no key, and no scalar such as "slip mean" .did you mean "slip"'):
+            _fit._columns(_measured.Measured({"slipp mean": [1.0]}))
+
     def test_a_sweep_is_displayed_with_its_axes(self):
         sweep = cvtflow.Sweep("tiny", {"load.torque": [1, 2], ("clamping.driving", "clamping.driven"): [(1, 2)] * 3}, ["slip mean"])
         self.assertEqual(repr(sweep), "<cvtflow.Sweep of tiny: 6 cases over load.torque (2), clamping.driving with clamping.driven (3); "

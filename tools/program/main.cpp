@@ -25,6 +25,7 @@ constexpr std::array commands{
     Command{"diff", sweep, "Compare the results of two sweeps case by case", in_python},
     Command{"reduce", sweep, "Reduce a machine to its steady map and shift law: tables and an FMU with measured errors", in_python},
     Command{"clamp", sweep, "Find the clamping forces of best efficiency at a margin of slip, as a table for a controller", in_python},
+    Command{"fit", sweep, "Adjust keys of a scene to measured values, with confidence intervals", in_python},
     Command{"info", record, "Show the contents of a record, a state file or a sweep's table", declare_info},
     Command{"plot", record, "Draw records or a sweep: curves, orders, losses, maps; SVG, PNG or CSV", in_python},
     Command{"report", record, "Write a self-contained HTML page of records or a sweep: curves, the running chain, tables", in_python},

@@ -9,7 +9,7 @@ import os
 import sys
 
 COMMANDS = {"table": "table", "diff": "diff", "plot": "plot", "report": "report", "export-fmu": "export_fmu", "reduce": "reduce",
-            "clamp": "clamp"}  # module of commands/ by name
+            "clamp": "clamp", "fit": "fit"}  # module of commands/ by name
 
 
 def _load_package():

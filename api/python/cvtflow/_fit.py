@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import math
+import re
 import tempfile
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from ._known import rows_of, suggestion
 from ._library import quantity
+from ._measured import Measured
 from ._scene import Scene
 from ._scene import all_keys, resolve
 from ._sweep import Sweep, opened
 
 
 class Fit:
-    """Result of fit(): values by key in SI, confidence intervals by key, residuals (simulated less measured) by column, and the scene."""
+    """Result of fit(): values by key in SI, confidence intervals by key, residuals (simulated less measured) by scalar, and the scene.
+    `free` is the number of measured values beyond that of keys: intervals are wide up to about three, and infinite at 0."""
 
     def __init__(self, scene: Scene, values: dict[str, float], confidence: dict[str, tuple[float, float]], residuals: dict[str, Any],
-                 level: float) -> None:
-        self.scene, self.values, self.confidence, self.residuals, self.level = scene, values, confidence, residuals, level
+                 level: float, free: int) -> None:
+        self.scene, self.values, self.confidence, self.residuals, self.level, self.free = scene, values, confidence, residuals, level, free
 
     def __repr__(self):
         lines = [f"{key} = {value:.5g} ({self.confidence[key][0]:.5g} to {self.confidence[key][1]:.5g} at {100 * self.level:g} %)"
@@ -29,7 +33,7 @@ class Fit:
         return f"<cvtflow.Fit {', '.join(lines)}; residuals {', '.join(rest)}>"
 
 
-def fit(scene: Scene | str, parameters: Mapping[str, tuple[Any, Any]], measured: Mapping[str, Any], *,
+def fit(scene: Scene | str, parameters: Mapping[str, tuple[Any, Any]], measured: Mapping[str, Any] | str, *,
         deviations: Mapping[str, Any] | None = None, level: float = 0.95, settings: Mapping[str, Any] | None = None, threads: int = 0,
         step: float = 0.02) -> Fit:
     """Adjusts keys of a scene to measured values by least squares (scipy.optimize.least_squares). Returns a Fit.
@@ -37,8 +41,9 @@ def fit(scene: Scene | str, parameters: Mapping[str, tuple[Any, Any]], measured:
     fit("baseline", {"tip.friction_coefficient": (0.05, 0.14)}, {"load.torque": [60, 120, 180], "slip mean": [0.0015, 0.0028, 0.0046]})
 
     parameters  least and largest value by key, in SI or with units; the search begins at the value of the scene
-    measured    arrays of equal length by name, or a pandas.DataFrame: keys of the scene are operating points, other names are scalars of a
-                sweep ("slip mean", "efficiency mean", "thrust_ratio mean") with their measured values, in SI
+    measured    arrays of equal length by name, a pandas.DataFrame, or a CSV or MAT file: keys of the scene are operating points, other names
+                are scalars of a sweep ("slip mean", "efficiency mean", "thrust_ratio mean") with their measured values; in SI, or in the unit
+                of the name: "slip mean [%]"
     deviations  standard deviation of a measured value by scalar; None: 1 % of its largest magnitude
     level       of the confidence intervals, from the Jacobian and the residuals; infinite without more values than parameters
     settings    further values of keys by name, such as run.until
@@ -49,9 +54,8 @@ def fit(scene: Scene | str, parameters: Mapping[str, tuple[Any, Any]], measured:
     from scipy.stats import t as student
 
     scene = opened(scene).with_(settings or {})
-    columns = {name: np.asarray(measured[name], dtype=float) for name in measured}
-    points = {name: each for name, each in columns.items() if name in all_keys()}
-    targets = {name: each for name, each in columns.items() if name not in points}
+    points, targets = _columns(Measured(measured))
+    columns = {**points, **targets}
     if not points or not targets or len({len(each) for each in columns.values()}) != 1:
         raise ValueError("measured: one key of the scene or more, and one scalar or more, of equal lengths")
     if not hasattr(parameters, "values") or not all(isinstance(ends, (tuple, list)) and len(ends) == 2 for ends in parameters.values()):
@@ -84,7 +88,23 @@ def fit(scene: Scene | str, parameters: Mapping[str, tuple[Any, Any]], measured:
     reach = spread * (student.ppf(0.5 + 0.5 * level, free) if free > 0 else 1.0)
     values = {key: float(value) for key, value in zip(keys, found.x)}
     intervals = {key: (float(value - each), float(value + each)) for key, value, each in zip(keys, found.x, reach)}
-    return Fit(scene.with_(values), values, intervals, residuals_at(found.x), level)
+    return Fit(scene.with_(values), values, intervals, residuals_at(found.x), level, free)
+
+
+def _columns(measured):
+    """Measured values in SI: of keys by key, of scalars by "slip mean". Raises Misuse."""
+    keys = {re.sub(r"\W", "_", name): name for name in all_keys()}
+    points, targets = {}, {}
+    for name in measured:
+        if key := keys.get(re.sub(r"\W", "_", name)):
+            points[key] = measured.column(name, all_keys()[key].unit)
+            continue
+        channel, _, statistic = name.replace(" ", "_").rpartition("_")
+        channels = rows_of("channels")
+        if channel not in channels:
+            raise ValueError(f"measured: '{name}' is no key, and no scalar such as \"slip mean\"" + suggestion(channel, channels))
+        targets[f"{channel} {statistic}"] = measured.column(name, channels[channel]["unit"])
+    return points, targets
 
 
 def _in_si(key, value):

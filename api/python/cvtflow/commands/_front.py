@@ -14,7 +14,8 @@ import sys
 import tempfile
 import textwrap
 
-DEBIAN = {"matplotlib": "python3-matplotlib", "numpy": "python3-numpy", "h5py": "python3-h5py", "jinja2": "python3-jinja2"}
+DEBIAN = {"matplotlib": "python3-matplotlib", "numpy": "python3-numpy", "h5py": "python3-h5py", "jinja2": "python3-jinja2",
+          "scipy": "python3-scipy"}
 SI = "Show SI units (default: bar, l/min, rpm, kN, mm, %)"
 FORCE = "Replace existing output files"
 
