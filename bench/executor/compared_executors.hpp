@@ -39,7 +39,7 @@ std::unique_ptr<engine::Executor> make(const engine::ExecutorOptions& options) {
 
 /// A runtime's version and rows.
 struct Runtime {
-    std::string version;  ///< "OpenMP 201511"; empty: not installed, or stated elsewhere
+    std::string version;  ///< "OpenMP 201511 of libgomp.so.1"; empty: not installed, or stated elsewhere
     std::vector<engine::ExecutorRow> rows;
 };
 [[nodiscard]] Runtime openmp_runtime();

@@ -14,6 +14,7 @@
 #include "engine/thread/worker_threads.hpp"
 
 #ifdef _OPENMP
+#include <dlfcn.h>
 #include <omp.h>
 #endif
 
@@ -167,7 +168,12 @@ constexpr auto make_region = make<omp_region>, make_fork = make<omp_fork>, make_
 
 }  // namespace
 
-std::string openmp_version() { return std::to_string(_OPENMP); }
+std::string openmp_version() {
+    Dl_info library{};
+    const void* entry = dlsym(RTLD_DEFAULT, "GOMP_parallel");  // of the library that regions enter: LLVM's has it, too
+    const std::string file = entry != nullptr && dladdr(entry, &library) != 0 ? library.dli_fname : "an unknown library";
+    return std::to_string(_OPENMP) + " of " + file.substr(file.rfind('/') + 1);
+}
 #else
 constexpr std::nullptr_t make_region = nullptr, make_fork = nullptr, make_tasks = nullptr;
 

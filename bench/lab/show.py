@@ -11,6 +11,7 @@ import json
 import math
 import os
 import signal
+import statistics
 import sys
 
 _here = os.path.dirname(os.path.abspath(__file__))
@@ -474,6 +475,37 @@ def _profile_pictures(results, files):
                                    curves, ("linear", "log"), x_ends=(0.0, None))], measured_on)
 
 
+def _profile_rows(profiles, files):
+    """Writes profile.csv: a row for each profile, schedule and load. Returns its rows."""
+    rows = [row | _origin(each["machine"], "tbb", "openmp") for each in profiles for schedule in each["schedules"] for row in schedule["rows"]]
+    texts = ("scene", "dropped", "omp_wait_policy", "gomp_spincount", "kmp_blocktime", "commit", "compiler", "flags", "tbb", "openmp", "cpu", "date")
+    files.write("profile.csv", csv(rows, ".4f", texts, cpu_per_wall=".3f", calibrated=".3f"))
+    return rows
+
+
+def runtimes(results, files):
+    """OpenMP's runtimes by wait policy beside the executors that need none, which run in every process: medians over the processes."""
+    def median(rows, key, rounds=""):
+        values = [row[key] for row in rows if not rounds or row[rounds]]
+        return f"{statistics.median(values):.2f}" if values else ""
+
+    profiles, machine = results["profiles"], results["profiles"][0]["machine"]
+    groups = {}
+    for row in _profile_rows(profiles, files):
+        by = (row["openmp"].rpartition(" ")[2], row["omp_wait_policy"] or "default") if row["executor"].startswith("omp") else ("", "")
+        groups.setdefault((row["schedule"], row["threads"], *by), []).append(row)
+    print(f"{profiles[0]['scene']}: OpenMP's runtimes, {len(profiles)} processes by turns, {machine['date']}")
+    _machine(machine, f", {plural(machine['usable'], 'thread')} usable")
+    crowded = sum(each["crowded"] for each in profiles)
+    field("crowded" if crowded else "quiet", f"{crowded} of the {len(profiles)} processes did not get the processors that they requested")
+    print("\nTime per step; speed-up against serial's turn of the same round, near and far apart; processor time per step beyond serial's")
+    table(["<schedule", "threads", "<runtime", "<waiting", "step [us]", "near", "rounds", "far", "rounds", "burnt [us]"],
+          [[*key, median(rows, "step_us"), median(rows, "gain_near", "rounds_near"), sum(row["rounds_near"] for row in rows),
+            median(rows, "gain_far", "rounds_far"), sum(row["rounds_far"] for row in rows), median(rows, "burnt_us")]
+           for key, rows in sorted(groups.items(), key=lambda item: item[0][2:] + item[0][:2])], 0)
+    files.report()
+
+
 def profile(results, files):
     """Schedules against each other."""
     scene, schedules, machine, crowded = results["scene"], results["schedules"], results["machine"], results["crowded"]
@@ -493,9 +525,7 @@ def profile(results, files):
     if len(schedules[0]["rows"]) > 1:
         _neighbours_text(results)
     _stages_text(results)
-    texts = ("scene", "dropped", "omp_wait_policy", "gomp_spincount", "kmp_blocktime", "commit", "compiler", "flags", "tbb", "openmp", "cpu", "date")
-    files.write("profile.csv", csv([row | _origin(machine, "tbb", "openmp") for schedule in schedules for row in schedule["rows"]],
-                                   ".4f", texts, cpu_per_wall=".3f", calibrated=".3f"))
+    _profile_rows([results], files)
     files.write("stages.csv", csv([
         dict(zip(("scene", "schedule", "threads", "segments", "thread", "stage", "seconds", "share", "per_step_us"),
                  (scene, *schedule["cells"], thread, name, each, each / (sum(seconds) or 1.0), 1e6 * each / schedule["steps"])))

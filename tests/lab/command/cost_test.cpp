@@ -69,6 +69,21 @@ TEST_F(ProfileCommand, ReportsWhatItDoesNotKnow) {
     EXPECT_THAT(outcome.err, HasSubstr("there is no executor 'flaw' (did you mean \"flow\"?)"));
 }
 
+/// A library that is no runtime of OpenMP leaves the linked one in use, which is a complaint: its figures are of the wrong runtime.
+TEST_F(ProfileCommand, RunsOpenMpsRuntimesByWaitPolicyAndReportsOneThatIsNotInUse) {
+    write("libother.so", "");
+    const Outcome outcome = run({"profile", "tiny", "--runtimes", "--schedules", "flow:fused,omp_fork:fused", "--threads", "2", "--steps",
+                                 "4", "--rounds", "1", "--openmp", "libother.so", "-o", "out", "-q"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("libother.so is not in use: 201511 of libgomp.so"));
+    for (const char* policy : {"default", "active", "passive"})
+        EXPECT_THAT(outcome.out, ContainsRegex(std::string("\nomp_fork:fused +2 +libgomp.so[.0-9]* +") + policy + " "));
+    EXPECT_THAT(outcome.out, AllOf(ContainsRegex("\nflow:fused +2 +[0-9]"), HasSubstr("18 processes by turns")));
+    EXPECT_EQ(tasks::csv_lines(read("out/profile.csv")).size(), 1u + 18 * 3 + 1);
+    const Outcome missing = run({"profile", "tiny", "--runtimes", "--openmp", "nowhere.so"});
+    EXPECT_THAT(missing.err, HasSubstr("nowhere.so: no such file"));
+}
+
 class GranularityCommand : public Program {};
 
 TEST_F(GranularityCommand, ComparesExecutorsAndLeavesFiles) {

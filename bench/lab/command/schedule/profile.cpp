@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bench/lab/command/command.hpp"
+#include "bench/lab/command/schedule/runtimes.hpp"
 #include "bench/lab/show.hpp"
 #include "bench/study/profile/other_load.hpp"
 #include "bench/study/profile/profile.hpp"
@@ -129,6 +130,8 @@ struct ProfileArguments {
     std::string trace;
     OutputArguments output;
     std::string wait = "balanced";
+    bool runtimes = false;
+    std::vector<std::string> openmp;
     bool quiet = false;
 };
 
@@ -152,7 +155,15 @@ MeasureOptions options_of(const ProfileArguments& arguments) {
     return options;
 }
 
-ExitStatus profile(const ProfileArguments& arguments) {
+/// What `--runtimes` compares, if other schedules are not requested.
+void choose_for_runtimes(ProfileArguments& arguments) {
+    if (arguments.choice.names.empty()) arguments.choice.names = {"flow:fused", "omp_region:fused", "omp_fork:fused", "omp_tasks:fused"};
+    arguments.measure.neighbours = {0};
+}
+
+ExitStatus profile(ProfileArguments& arguments) {
+    if (arguments.runtimes && !is_runtime_child()) show("runtimes", profiles_by_runtime(arguments.openmp), arguments.output);
+    if (arguments.runtimes) choose_for_runtimes(arguments);
     const LoadedScene loaded = load_scene(arguments.scene);
     say(arguments.quiet, loaded.notice);
     const tasks::Scene& scene = loaded.scene;
@@ -164,7 +175,10 @@ ExitStatus profile(const ProfileArguments& arguments) {
     const auto progress = [&](const std::string& line) { say(arguments.quiet, line); };
     const Profile result = profile_schedules(scene, schedules, options, progress);
     if (!arguments.trace.empty()) write_file(arguments.trace, profile_trace(result));
-    show("profile", profile_json(scene.name, result, options.rounds), arguments.output);
+    Json json = profile_json(scene.name, result, options.rounds);
+    if (!is_runtime_child()) show("profile", std::move(json), arguments.output);
+    hand_back(json);
+    return ExitStatus::finished;
 }
 
 constexpr const char* profile_explanation =
@@ -197,6 +211,12 @@ void declare_waits_and_files(CLI::App& app, ProfileArguments& arguments) {
         ->capture_default_str();
     app.add_flag("--pin", arguments.choice.pin, "Pin each thread to a processor");
     declare_output(app, arguments.output);
+    CLI::Option* runtimes = app.add_flag("--runtimes", arguments.runtimes,
+                                         "OpenMP's runtimes by wait policy beside flow and serial, each in a process of its own");
+    app.add_option("--openmp", arguments.openmp, "Libraries of --runtimes beside the linked one (default: LLVM's libomp.so.5)")
+        ->type_name("FILES")
+        ->delimiter(',')
+        ->needs(runtimes);
     app.add_option("--trace", arguments.trace, "Trace of the recorded passes, for chrome://tracing or ui.perfetto.dev")->type_name("FILE");
 }
 
