@@ -266,15 +266,18 @@ private:
         multiply_ends<2>(numbers_.inverse.axial, f + 4 * n, accelerations + 4 * n);
     }
 
-    /// Velocities after forces have acted over the step. @param to velocities so far, or the result
+    /// Velocities after forces have acted. @param to velocities at ϑ so far, or the result, at the end
     void accelerate(const V* f, const LaneRows<W, float>& to) const noexcept {
+        constexpr auto to_end = static_cast<float>(1.0 / sweep_time);
+        const bool closing = sweep_.part == SweepPart::closing;
         const LaneRows<W, const float> start = links_.rows_of(*sweep_.start), base = links_.rows_of(*sweep_.base);
         V change[link_layout.link_size()];
         respond(f, change);
         for (int row = 0; row < link_layout.link_size(); ++row) {
             V v = links_.velocity[row];
             if (sweep_.part == SweepPart::opening) v = start[row] + responses_.step * base[row];
-            to.put(row, v + responses_.step * change[row]);
+            v += responses_.step * change[row];
+            to.put(row, closing ? start[row] + to_end * (v - start[row]) : v);
         }
     }
 

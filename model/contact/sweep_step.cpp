@@ -11,7 +11,7 @@ namespace {
 constexpr double joint_margin = 1.1;
 /// Tips respond as if all four of a link pushed the same way, plates as if the halves moved alone. That is more than they do, and a change
 /// would fall short of what is left: less makes two sweeps as exact as three. At 0.5 sweeps diverge, at 0.7 they do not (decision 104).
-constexpr double tip_margin = 0.85, plate_margin = 0.85;
+constexpr double tip_margin = 0.7, plate_margin = 0.7;
 
 /// A half's modes at a place, as rows of the inverse of the mass matrix act on them.
 struct Response {
@@ -50,8 +50,9 @@ struct Response {
 
 }  // namespace
 
-SweepResponses::SweepResponses(const FrictionOperator& friction, double h, double nominal) noexcept
-    : step(static_cast<float>(h)), of_step(h), of_nominal(nominal) {
+SweepResponses::SweepResponses(const FrictionOperator& friction, double whole, double whole_nominal) noexcept
+    : step(static_cast<float>(sweep_time * whole)), of_step(whole), of_nominal(whole_nominal) {
+    const double h = sweep_time * whole, nominal = sweep_time * whole_nominal;
     const auto& points = friction.chain().coefficients().joint_points;
     const HeldInverse& inverse = friction.inverse();
     const Response along{inverse.along, axis_terms}, across{inverse.across, axis_terms}, axial{inverse.axial, 2};

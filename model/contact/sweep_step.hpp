@@ -1,7 +1,7 @@
 #pragma once
-/// Friction solved for by implicit sweeps over its contacts: velocities at the end of a step are those of backward Euler,
+/// Friction solved for by implicit sweeps over its contacts. Friction of a step is that of the velocities at ϑ of it,
 ///
-///     v = v_0 + h (G + A⁻¹ Σ Jᵀ P),   P = -c s(|u|) u/|u|,   u = J v,   c = μN,
+///     v = v_0 + ϑ h (G + A⁻¹ Σ Jᵀ P),   P = -c s(|u|) u/|u|,   u = J v,   c = μN,   at the end v_0 + (v - v_0)/ϑ,
 ///
 /// with each contact's force P found from the velocities that all others leave it: u = u* + r (P - P before), r its response. Joint points
 /// are solved one after the other, joints of different pins at once, and so are links with their plates and tips. Forces are kept from step
@@ -34,19 +34,22 @@ struct SweepRows {
     [[nodiscard]] constexpr int count() const noexcept { return plate_rate() + 2; }
 };
 
-/// Responses of a contact's sliding to forces over a step.
+/// ϑ: instant at which friction is solved, in steps from the step's beginning; 1 is backward Euler, 1/2 damps no error of a sweep [1].
+inline constexpr double sweep_time = 0.75;
+
+/// Responses of a contact's sliding to forces over ϑ h.
 struct SweepResponses {
     /// @param step h [s]   @param nominal what a step takes that nothing cuts short: contacts respond as if this were its length [s]
     SweepResponses(const FrictionOperator& friction, double step, double nominal) noexcept;
 
-    float step;                                                                  ///< h [s]
+    float step;                                                                  ///< ϑ h [s]
     std::array<float, max_joint_lanes> joint_across{}, joint_along{};            ///< response of a point to its force [m/s per N]
     std::array<std::array<float, axis_terms>, max_joint_lanes> joint_lateral{};  ///< response of a joint's modes to the force at a point
     float joint_shift;                                                           ///< response of its z to an axial force
     std::array<float, max_joint_lanes> joint_tilt{};                             ///< response of its e to the axial force at a point
     float tip;                      ///< response of a tip to equal forces at all tips of its link
     float plate_shift, plate_tilt;  ///< responses of the plates' z and e to their force and moment
-    float link_shift, link_tilt;    ///< responses of either end's z and e to the plates' force and moment, over the present step
+    float link_shift, link_tilt;    ///< responses of either end's z and e to the plates' force and moment, over ϑ of the present step
     double of_step, of_nominal;     ///< arguments that they were made from [s]
 };
 
@@ -65,7 +68,7 @@ struct FrictionSweep {
     const FloatColumns *base, *start;  ///< accelerations by everything but friction; velocities at the step's start
     const FloatColumns* before;        ///< [SweepRows::count()] rows, as the step before has left them
     FloatColumns* kept;                ///< the same of this step
-    FloatColumns* velocity;            ///< velocities so far, those of the range
+    FloatColumns* velocity;            ///< velocities at ϑ so far, those of the range
     FloatColumns* result;              ///< velocities at the end
     FloatColumns* mean_tip_forces;     ///< [3 tips_per_link] rows: mean force on each tip, x, y, z [N]
 };

@@ -31,7 +31,7 @@ constexpr double longest_swept_step = 2.858e-6;
             .reach = {leapfrog_reach, MethodReach::unlimited, MethodReach::unlimited, damping_reach},
             .longest_step = longest_swept_step,
             .holds_links = true,
-            .revision = 5,
+            .revision = 6,
             .missing = missing_for_sweeps};
 }
 

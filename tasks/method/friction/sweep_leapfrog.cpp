@@ -186,8 +186,8 @@ void SweepSystem::sweep(const Workspace& w, model::SweepPart part, double openin
                                      .velocity = &f.of[velocity],
                                      .result = &f.result,
                                      .mean_tip_forces = &f.mean_tip_forces};
-    constexpr double end = 0.5;  // of the step, from its middle
-    kick_.friction.kernels().sweep(kick_.friction, f.contacts, kick_.range_of(w, end, f.of[velocity], segment), sweep);
+    constexpr double instant = model::sweep_time - 0.5;  // from the middle of the step
+    kick_.friction.kernels().sweep(kick_.friction, f.contacts, kick_.range_of(w, instant, f.of[velocity], segment), sweep);
     if (part != model::SweepPart::closing)
         fields.give(edge(number), f.of[velocity], segment);
     else if (fields.columns().segments() > 1)
@@ -251,11 +251,6 @@ void SweepSystem::load(std::span<const double> memory) {
         powers = {from[0], from[1], from[2]};
         from += 3;
     }
-}
-
-void LeapfrogFrame::restart() noexcept {
-    continues_ = false;
-    length_ = 0.0;
 }
 
 /// Slope slot 1: [v | mean acceleration of the step before], zero acceleration in the first step.
@@ -453,7 +448,5 @@ void SweepLeapfrog::sweep(int item) noexcept {
     if (!closing) return;
     if (!system_.kick().finish(w_, segment)) w_.segment_results[at(segment)].pending = true;
 }
-
-void SweepLeapfrog::enter_losses(int /*item*/) noexcept { system_.enter_losses(w_); }
 
 }  // namespace cvtflow::tasks

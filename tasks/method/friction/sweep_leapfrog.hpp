@@ -100,7 +100,7 @@ public:
     explicit LeapfrogFrame(Workspace& workspace) : w_(workspace) {}
 
     /// Forgets the previous step.
-    void restart() noexcept;
+    void restart() noexcept { continues_ = false, length_ = 0.0; }
     /// Whether there is a step before the one that begins.
     [[nodiscard]] bool continues() const noexcept { return continues_; }
     /// Data of the step before become history; workspace.step.row for the middle of the step, and the sheaves there.
@@ -167,8 +167,8 @@ public:
 
     // Bodies of tasks.
     void record(int segment) noexcept;
-    void sweep(int item) noexcept;         ///< item = pass of the cycle × segments + segment
-    void enter_losses(int item) noexcept;  ///< losses by friction in an observe cycle, after all else; item 0
+    void sweep(int item) noexcept;                                          ///< item = pass of the cycle × segments + segment
+    void enter_losses(int /*item*/) noexcept { system_.enter_losses(w_); }  ///< by friction in an observe cycle, after all else
 
 private:
     void add_passes(engine::TaskGraph& graph, int cycle, int passes);

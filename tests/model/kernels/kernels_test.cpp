@@ -163,14 +163,14 @@ public:
                 {part, 0.0F, &responses, &push_, &start_velocity_, &before_, &kept_, &velocity_, &result_, &mean_tip_forces_});
         }
     }
-    /// Accelerations by friction that the velocities at the step's end tell, and those by the law at these velocities, in doubles.
+    /// Accelerations by friction that the velocities at the step's end tell, and those by the law at `sweep_time`, in doubles.
     [[nodiscard]] std::pair<std::vector<double>, std::vector<double>> swept_and_lawful(double step) const {
         std::vector<double> swept, state = random_.state;
         for (int link = 0; link < at().links; ++link) {
             for (int row = 0; row < size(); ++row) {
                 const double begin = *start_velocity_.at(row, link + 1), end = *result_.at(row, link + 1);
                 swept.push_back((end - begin) / step - *push_.at(row, link + 1));
-                state[static_cast<std::size_t>(at().link_begin(link) + size() + row)] += end;
+                state[static_cast<std::size_t>(at().link_begin(link) + size() + row)] += begin + sweep_time * (end - begin);
             }
         }
         std::vector<double> lawful = accelerations(parameters_, state), without = accelerations(without_friction(parameters_), state);
@@ -259,7 +259,7 @@ TEST(FrictionKernels, RecordAllOtherForcesButForRounding) {
     }
 }
 
-/// Sweeps that go on end at backward Euler with the law's friction.
+/// Sweeps that continue end at the friction of the law.
 TEST(FrictionKernels, SweepsConvergeToTheLawsFriction) {
     std::uint64_t seed = 512;
     for (const oracle::Case& one : cases()) {

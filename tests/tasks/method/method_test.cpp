@@ -114,7 +114,7 @@ constexpr Recorded recorded[] = {
     {"dumka3", 1, "a70dfff64c047984", "7d25c1bcfba3af3e"},
     {"rkc", 1, "7c9ac806a0677b62", "42cd1775ba8ea18a"},
     {"fitted", 1, "d47c039b512c6467", "0b87fafcd4415de9"},
-    {"leapfrog-sweep", 5, "9d88d72ed2639830", "none"},
+    {"leapfrog-sweep", 6, "d03e220f7159e004", "none"},
     {"leapfrog-rigid", 4, "none", "b01090cd8ebb37c9"},
     {"trapezoidal-analytic", 2, "75858bb6f14f2039", "none"},
     {"trapezoidal-full", 2, "891228d1b526264f", "none"},
