@@ -1,7 +1,7 @@
 #pragma once
 /// Forces of one link, one joint and the tips of one link, and the accelerations of a link, with lanes over equal parts inside of it:
-/// plates, points of a joint, tips, bending modes. Formulas are those of LanePass, whose lanes are links (model/kernels/lane_pass.hpp),
-/// with sums in the same trees, so results are bitwise equal.
+/// points of a joint, tips, bending modes. Formulas are those of LinkPass, whose lanes are links (model/kernels/link_pass.hpp), with sums
+/// in the same trees, so results are bitwise equal.
 
 #include <cmath>
 #include <cstring>
@@ -128,29 +128,22 @@ inline void guide_force(const GuideCoefficients& g, const double* q, const doubl
     for (int k = 0; k < size; ++k) f[k] = force[k][0];
 }
 
-/// One chunk of W plates; adds the force on the front half to `pull`.
-template <int W, class Books>
-inline void plate_chunk(const Coefficients& c, double free_length, const Difference<>& d, const Difference<>& rate, int first,
-                        Difference<>& pull, [[maybe_unused]] Books& books) noexcept {
-    const auto of = [first](const auto& numbers) { return load<W>(&numbers[static_cast<std::size_t>(first)]); };
-    alignas(64) double total[plate_rows<Books>];
-    const AxisPoints<W> points(c.plates, first);
-    const auto weight = of(c.plates.weight), damping = of(c.plates.damping);
-    const PlateStretch<W> stretch = plate_stretch<W>(c, free_length, points, weight, damping, d, rate);
-    sums<W>(plate_terms<W, Books>(points, weight, damping, stretch, plate_slide(c, stretch)), total);
-    pull.add(total);
-    if constexpr (Books::observed) book_plates(total, books);
-}
-
-/// All plates of a link. Adds to the generalized forces f of the link. q [coordinates of the link], v [m/s], f [N, N·m]
-template <int W, class Books>
-inline void plates(const Coefficients& c, const LinkKind& kind, const double* q, const double* v, double* f, Books& books) noexcept {
-    const Difference<> d(q, End::front, q, End::rear);
-    const Difference<> rate(v, End::front, v, End::rear);
-    Difference<> pull;
-    for (int first = 0; first < c.plates.count; first += W) plate_chunk<W>(c, kind.free_length, d, rate, first, pull, books);
-    pull.apply(1.0, f, End::front);
-    pull.apply(-1.0, f, End::rear);
+/// All plates of a link, one after the other. Adds to the generalized forces f of the link. q [coordinates of the link], v [m/s], f [N,
+/// N·m]
+template <class Books>
+inline void plates(const Coefficients& c, const LinkKind& kind, const LinkFrame& of, const double* q, const double* v, double* f,
+                   Books& books) noexcept {
+    constexpr int size = link_layout.link_size();
+    using V = Lanes<1>;
+    const LinkFrameOf<V> frame{of.tx, of.ty, of.inverse_length, of.turning};
+    V place[size], moving[size], force[size];
+    for (int k = 0; k < size; ++k) place[k] = q[k], moving[k] = v[k], force[k] = f[k];
+    const PackOpening<V> rate(Difference<V>(moving, End::front, moving, End::rear), frame);
+    const auto slide = [&](int, const PlateStretch<1>& stretch, const V& speed) { return plate_slide(c, stretch, speed); };
+    const auto pull = pack_force<1>(c.plates, pack_place(place, frame, V(kind.free_length)), rate, frame, books, slide);
+    pull.apply(1.0, force, End::front);
+    pull.apply(-1.0, force, End::rear);
+    for (int k = 0; k < size; ++k) f[k] = force[k][0];
 }
 
 /// Adds the sums of terms over their lanes.
@@ -166,14 +159,15 @@ inline void add_sums(const JointTerms<W>& terms, JointForce<>& to) noexcept {
 template <int W, class Books>
 inline void joint(const Coefficients& c, const LinkFrame& before, const LinkFrame& after, const double* q_before, const double* v_before,
                   const double* q_after, const double* v_after, JointForce<>& out, Books& books) noexcept {
-    const JointFrames<double> frames(before, after);
+    const auto place = joint_place(c.joint, before, after, Difference<>(q_before, End::front, q_after, End::rear),
+                                   Difference<>(v_before, End::front, v_after, End::rear));
     const AxisPoints<W> points(c.joint_points, 0);
     const Lanes<W> weight = load<W>(c.joint_points.weight.data());
-    const auto motion = joint_motion<W>(c.joint, frames, points, Difference<>(q_before, End::front, q_after, End::rear),
-                                        Difference<>(v_before, End::front, v_after, End::rear));
-    add_sums<W>(rolling_contact_force<W>(c.joint, frames, points, weight, motion, books), out);
-    if (all_at_most<W>(beyond_clearance<W>(c.joint, frames, motion), 0.0)) return;  // the rule: rolling keeps the centres on the bisector
-    add_sums<W>(clearance_force<W>(c.joint, frames, points, weight, motion, books), out);
+    const auto motion = joint_motion<W>(c.joint, place, points);
+    const auto friction = [&](const Lanes<W>& normal) { return rolling_friction<W>(c.joint, motion, normal, books); };
+    add_sums<W>(rolling_contact_force<W>(c.joint, place.frames, points, weight, motion, books, friction), out);
+    if (all_at_most<W>(beyond_clearance<W>(c.joint, place.frames, motion), 0.0)) return;  // rolling keeps the centres on the bisector
+    add_sums<W>(clearance_force<W>(c.joint, place.frames, points, weight, motion, books), out);
 }
 
 /// Phases of one link.
@@ -252,7 +246,7 @@ template <class Books>
     const LinkKind& kind = c.kind(link);
     const double moment = inner_elasticity(c, kind, frame, state, v, f, books);
     if (!c.longer.empty()) add_lengths(c, lengths_at(c, link), state, f, books);
-    with_lanes(c.plates.width, [&]<int W>() { plates<W>(c, kind, state, v, f, books); });
+    plates(c, kind, frame, state, v, f, books);
     return moment;
 }
 

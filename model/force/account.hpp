@@ -44,7 +44,7 @@ namespace {
 /// Books of forces that are not observed: they keep nothing, so that compilers leave out what is booked. Others have, with observed = true,
 ///     void store(Energy kind, const Real& joules, double factor = 1.0);   what is stored, times a factor [J]
 ///     void lose(Loss kind, const Real& watts);                            what is lost [W]
-/// where Real is a number or lanes: of links side by side (model/kernels/observation_writer.hpp).
+/// where Real is a number or lanes: of links side by side (model/kernels/chain_kernels.cpp).
 struct NoBooks {
     static constexpr bool observed = false;
     static constexpr std::size_t numbers = 0;

@@ -5,8 +5,8 @@
 ///
 ///                pin halves (section 5)  rigid pins (10, 11)                 energy          loss
 ///     normal     normal_force()          rigid_links.hpp: joint_forces()     Energy::joints  Loss::joint_damping
-///     rolling    rolling_forces()        joint_forces()                                      Loss::joint_friction
-///     sliding    rolling_forces()        rigid_plates.hpp: joint_friction()                  Loss::joint_friction
+///     rolling    rolling_friction()      joint_forces()                                      Loss::joint_friction
+///     sliding    rolling_friction()      rigid_plates.hpp: joint_friction()                  Loss::joint_friction
 ///     clearance  clearance_force()       none: no sliding in the plane       Energy::joints  Loss::joint_damping
 
 #include <cmath>
@@ -53,11 +53,39 @@ struct JointFrames {
           cy(before.ty - after.ty) {}
 };
 
+/// The joint of two links, in a frame that turns with the mean of both, so that what slides (mm/s) does not drown in what turns (m/s). Gaps
+/// are those between the vertices of the arcs (µm), not those between the axes of the halves (mm). In floats both are differences of
+/// doubles.
+template <class Real>
+struct JointPlace {
+    JointFrames<Real> frames;
+    Difference<Real> gap, rate;
+};
+/// @param gap, rate front half of the link before, less the rear half of the link after: coordinates and velocities
+template <class Real>
+[[nodiscard]] inline JointPlace<Real> joint_place(const JointCoefficients& j, const LinkFrameOf<Real>& before,
+                                                  const LinkFrameOf<Real>& after, const Difference<Real>& gap,
+                                                  const Difference<Real>& rate) noexcept {
+    JointPlace<Real> place{{before, after}, gap, rate};
+    auto& [frames, open, opening] = place;
+    const Real turning = 0.5 * (before.turning + after.turning);
+    frames.before.turning -= turning;
+    frames.after.turning -= turning;
+    for (int m = 0; m < axis_terms; ++m) {
+        opening.x[m] += turning * open.y[m];
+        opening.y[m] -= turning * open.x[m];
+    }
+    const double to_vertex = 0.5 * j.diameter - j.arm;
+    open.x[0] -= to_vertex * frames.sx;
+    open.y[0] -= to_vertex * frames.sy;
+    return place;
+}
+
 /// Positions and velocities of the contact, lanes over the points of one joint or over joints at one point.
 template <int W>
 struct JointMotion {
+    Lanes<W> gx, gy;                     ///< gap of the vertices [m]
     Lanes<W> dx, dy;                     ///< Δ, between the centres of the arcs [m]
-    Lanes<W> ox, oy;                     ///< a vector as far across the bisector as Δ [m]
     Lanes<W> vx, vy;                     ///< Δ' [m/s]
     Lanes<W> nx, ny;                     ///< ν
     Lanes<W> distance;                   ///< D [m]
@@ -68,24 +96,24 @@ struct JointMotion {
 
 /// @param points an AxisPoint of joints side by side, or all points of one joint (bench/staged/one_link.hpp)
 template <int W, class Real, class Points>
-[[nodiscard]] inline JointMotion<W> joint_motion(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
-                                                 const Difference<Real>& gap, const Difference<Real>& rate) noexcept {
+[[nodiscard]] inline JointMotion<W> joint_motion(const JointCoefficients& j, const JointPlace<Real>& place, const Points& points) noexcept {
     using V = Lanes<W>;
+    const auto& [frames, gap, rate] = place;
     const LinkFrameOf<Real>& before = frames.before;
     const LinkFrameOf<Real>& after = frames.after;
+    const double radius = 0.5 * j.diameter;
     JointMotion<W> m;
-    const V gx = points.along(gap.x), gy = points.along(gap.y), ax = points.along(rate.x), ay = points.along(rate.y);
+    m.gx = points.along(gap.x), m.gy = points.along(gap.y);
+    const V ax = points.along(rate.x), ay = points.along(rate.y);
     const Real &sx = frames.sx, &sy = frames.sy, &cx = frames.cx, &cy = frames.cy;
-    m.dx = gx + j.reach * sx;
-    m.dy = gy + j.reach * sy;
-    m.ox = is_single<W> ? gx : m.dx;  // in floats the gap, whose digits the reach does not take
-    m.oy = is_single<W> ? gy : m.dy;
+    m.dx = m.gx + radius * sx;
+    m.dy = m.gy + radius * sy;
     m.distance = sqrt(m.dx * m.dx + m.dy * m.dy);
     const Reciprocals<W> inverse(m.distance, j.diameter + m.distance);
     m.nx = m.dx * inverse.first;
     m.ny = m.dy * inverse.first;
     // δ = 2ρ - |Δ| = (4ρ² - |Δ|²)/(2ρ + |Δ|), the squares multiplied out so that the depth (µm) does not drown in the rounding of ρ (cm).
-    const V excess = j.square_excess + j.reach * j.reach * (cx * cx + cy * cy) - (gx * gx + gy * gy) - 2.0 * j.reach * (gx * sx + gy * sy);
+    const V excess = radius * radius * (cx * cx + cy * cy) - (m.gx * m.gx + m.gy * m.gy) - 2.0 * radius * (m.gx * sx + m.gy * sy);
     m.depth = excess * inverse.second;
     m.vx = ax - j.arm * (before.turning * before.ty + after.turning * after.ty);
     m.vy = ay + j.arm * (before.turning * before.tx + after.turning * after.tx);
@@ -142,23 +170,17 @@ template <int W>
     return {contact, closing, positive_part<W>(contact.elastic * (1.0 + j.damping * closing))};
 }
 
-/// Pressing and friction of the rolling contact.
-template <int W>
-struct RollingForces {
-    NormalForce<W> pressing;
-    Lanes<W> square;              ///< |v_t|² [m²/s²]
-    Lanes<W> friction_per_speed;  ///< friction per speed of sliding [N·s/m]
-};
-
-template <int W>
-[[nodiscard, gnu::always_inline]] inline RollingForces<W> rolling_forces(const JointCoefficients& j, const Lanes<W>& weight,
-                                                                         const JointMotion<W>& m) noexcept {
-    const auto pressing = normal_force<W>(j, weight, m);
+/// Friction of the rolling contact per speed of sliding [N·s/m].
+template <int W, class Books>
+[[nodiscard, gnu::always_inline]] inline Lanes<W> rolling_friction(const JointCoefficients& j, const JointMotion<W>& m,
+                                                                   const Lanes<W>& normal, Books& books) noexcept {
     const Lanes<W> square = m.slip * m.slip + m.axial * m.axial;
-    return {pressing, square, j.friction.coefficient * pressing.normal * slip_factor_of_square<W>(j.friction, square)};
+    const Lanes<W> friction_per_speed = j.friction.coefficient * normal * slip_factor_of_square<W>(j.friction, square);
+    books.lose(Loss::joint_friction, friction_per_speed * square);
+    return friction_per_speed;
 }
 
-/// Contributions of the normal force and friction of a rolling contact. @param friction_per_speed as of RollingForces, or Zero
+/// Contributions of the normal force and friction of a rolling contact. @param friction_per_speed rolling_friction(), or Zero
 template <int W, class Real, class Points, class Friction>
 [[nodiscard, gnu::always_inline]] inline JointTerms<W> rolling_terms(const JointCoefficients& j, const JointFrames<Real>& frames,
                                                                      const Points& points, const JointMotion<W>& m, const Lanes<W>& normal,
@@ -173,16 +195,16 @@ template <int W, class Real, class Points, class Friction>
     return terms;
 }
 
-/// Rolling contact: normal force and friction.
-template <int W, class Real, class Points, class Books>
-[[nodiscard]] inline JointTerms<W> rolling_contact_force(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
-                                                         const Lanes<W>& weight, const JointMotion<W>& m, Books& books) noexcept {
-    const auto [pressing, square, friction_per_speed] = rolling_forces<W>(j, weight, m);
-    const auto& [contact, closing, normal] = pressing;
+/// Rolling contact: normal force and friction. @param friction friction_per_speed from the normal force [N]
+template <int W, class Real, class Points, class Books, class Friction>
+[[nodiscard, gnu::always_inline]] inline JointTerms<W> rolling_contact_force(const JointCoefficients& j, const JointFrames<Real>& frames,
+                                                                             const Points& points, const Lanes<W>& weight,
+                                                                             const JointMotion<W>& m, Books& books,
+                                                                             const Friction& friction) noexcept {
+    const auto [contact, closing, normal] = normal_force<W>(j, weight, m);
     books.store(Energy::joints, contact.energy);
     books.lose(Loss::joint_damping, (normal - contact.elastic) * closing);
-    books.lose(Loss::joint_friction, friction_per_speed * square);
-    return rolling_terms<W>(j, frames, points, m, normal, friction_per_speed);
+    return rolling_terms<W>(j, frames, points, m, normal, friction(normal));
 }
 
 /// Excess of the square of the transverse offset of the arc centres over that of the clearance, times |t₋ + t₊|².
@@ -190,7 +212,7 @@ template <int W, class Real>
 [[nodiscard]] inline Lanes<W> beyond_clearance(const JointCoefficients& j, const JointFrames<Real>& frames,
                                                const JointMotion<W>& m) noexcept {
     const Real square = frames.sx * frames.sx + frames.sy * frames.sy;
-    const Lanes<W> slanted = m.oy * frames.sx - m.ox * frames.sy;  // along k×b, times |t₋ + t₊|
+    const Lanes<W> slanted = m.gy * frames.sx - m.gx * frames.sy;  // along k×b, times |t₋ + t₊|
     return slanted * slanted - j.clearance * j.clearance * square;
 }
 
@@ -201,7 +223,7 @@ template <int W, class Real, class Points, class Books>
     using V = Lanes<W>;
     using std::sqrt;
     const Real inverse = 1.0 / sqrt(frames.sx * frames.sx + frames.sy * frames.sy), bx = frames.sx * inverse, by = frames.sy * inverse;
-    const V across = m.oy * bx - m.ox * by;
+    const V across = m.gy * bx - m.gx * by;
     const V along = m.dx * bx + m.dy * by;
     const V offset = positive_part<W>(across - j.clearance) - positive_part<W>(-across - j.clearance);
     const V offset_rate = m.vy * bx - m.vx * by - 0.5 * (frames.before.turning + frames.after.turning) * along;

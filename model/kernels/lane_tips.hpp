@@ -8,14 +8,14 @@
 
 #include "model/chain/chain_model.hpp"
 #include "model/force/tips.hpp"
-#include "model/kernels/contact_writer.hpp"
 #include "model/kernels/link_lanes.hpp"
+#include "model/kernels/link_sinks.hpp"
 
 namespace cvtflow::model {
 namespace {
 
 /// @tparam Rigid whether sheaves only turn and move along z; then only those reactions are written
-template <int W, bool Rigid, class Contacts = NoContacts>
+template <int W, bool Rigid, class Contacts>
 class LaneTips {
 public:
     using V = Lanes<W>;

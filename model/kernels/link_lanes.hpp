@@ -1,6 +1,6 @@
 #pragma once
 /// Links side by side: lanes run over as many links as the processor's vectors hold. Every lane does the same in the same order (sums over
-/// plates, points and tips in fixed trees), so that it gives the same bits whatever its neighbours are.
+/// points and tips in fixed trees, over plates in pairs), so that it gives the same bits whatever its neighbours are.
 
 #include <algorithm>
 #include <array>
@@ -11,6 +11,7 @@
 #include "model/force/inner.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/link_frame.hpp"
+#include "model/force/plates.hpp"
 #include "model/force/sheave_motion.hpp"
 #include "model/machine/coefficients.hpp"
 #include "model/machine/held_links.hpp"
@@ -130,6 +131,61 @@ struct KindLanes {
         std::memcpy(static_cast<void*>(this), rows.data(), sizeof rows);
     }
 };
+
+// Numbers of two groups of links, rounded to floats side by side.
+
+template <int N>
+[[nodiscard, gnu::always_inline]] inline Lanes<singles<2 * N>> rounded(const Lanes<N>& low, const Lanes<N>& high) noexcept {
+    return narrow<2 * N>(Lanes<2 * N>(low, high));
+}
+template <int N, std::size_t count>
+[[nodiscard, gnu::always_inline]] inline std::array<Lanes<singles<2 * N>>, count> rounded(
+    const std::array<Lanes<N>, count>& low, const std::array<Lanes<N>, count>& high) noexcept {
+    std::array<Lanes<singles<2 * N>>, count> to;
+    for (std::size_t k = 0; k < count; ++k) to[k] = rounded(low[k], high[k]);
+    return to;
+}
+template <int N>
+[[nodiscard, gnu::always_inline]] inline KindLanes<singles<2 * N>> rounded(const KindLanes<N>& low, const KindLanes<N>& high) noexcept {
+    const auto spring = [&](auto member) {
+        return typename KindLanes<singles<2 * N>>::SpringLanes{rounded((low.*member).stiffness, (high.*member).stiffness),
+                                                               rounded((low.*member).damping, (high.*member).damping)};
+    };
+    KindLanes<singles<2 * N>> to;
+    to.free_length = rounded(low.free_length, high.free_length), to.inverse_length = rounded(low.inverse_length, high.inverse_length);
+    to.bending = spring(&KindLanes<N>::bending), to.shear = spring(&KindLanes<N>::shear), to.torsion = spring(&KindLanes<N>::torsion);
+    return to;
+}
+template <int N>
+[[nodiscard, gnu::always_inline]] inline LinkFrameOf<Lanes<singles<2 * N>>> rounded(const LinkFrameOf<Lanes<N>>& low,
+                                                                                    const LinkFrameOf<Lanes<N>>& high) noexcept {
+    return {rounded(low.tx, high.tx), rounded(low.ty, high.ty), rounded(low.inverse_length, high.inverse_length),
+            rounded(low.turning, high.turning)};
+}
+template <int N>
+[[nodiscard, gnu::always_inline]] inline Difference<Lanes<singles<2 * N>>> rounded(const Difference<Lanes<N>>& low,
+                                                                                   const Difference<Lanes<N>>& high) noexcept {
+    Difference<Lanes<singles<2 * N>>> to;
+    for (int m = 0; m < axis_terms; ++m) to.x[m] = rounded(low.x[m], high.x[m]), to.y[m] = rounded(low.y[m], high.y[m]);
+    to.z = rounded(low.z, high.z), to.e = rounded(low.e, high.e);
+    return to;
+}
+template <int N>
+[[nodiscard, gnu::always_inline]] inline JointPlace<Lanes<singles<2 * N>>> rounded(const JointPlace<Lanes<N>>& low,
+                                                                                   const JointPlace<Lanes<N>>& high) noexcept {
+    const JointFrames<Lanes<N>>&a = low.frames, &b = high.frames;
+    JointPlace<Lanes<singles<2 * N>>> to;
+    to.frames.before = rounded(a.before, b.before), to.frames.after = rounded(a.after, b.after);
+    to.frames.sx = rounded(a.sx, b.sx), to.frames.sy = rounded(a.sy, b.sy);
+    to.frames.cx = rounded(a.cx, b.cx), to.frames.cy = rounded(a.cy, b.cy);
+    to.gap = rounded(low.gap, high.gap), to.rate = rounded(low.rate, high.rate);
+    return to;
+}
+template <int N>
+[[nodiscard, gnu::always_inline]] inline PackPlace<Lanes<singles<2 * N>>> rounded(const PackPlace<Lanes<N>>& low,
+                                                                                  const PackPlace<Lanes<N>>& high) noexcept {
+    return {rounded(low.apart, high.apart), rounded(low.longer, high.longer), rounded(low.free_length, high.free_length)};
+}
 
 /// The lane before each lane; the first one's is the last of `earlier`.
 template <int W>

@@ -113,8 +113,6 @@ JointCoefficients joint_coefficients(const Parameters& p) {
     const auto& j = p.joint;
     return {j.radius - 0.5 * p.half.width,
             2.0 * j.radius,
-            j.radius - 0.5 * p.half.width,
-            p.half.width * (4.0 * j.radius - p.half.width),
             j.stiffness,
             2.0 * zeta * std::sqrt(mass / j.stiffness) / j.reference_depth,
             j.law == JointLaw::palmgren,

@@ -60,8 +60,6 @@ struct TipCoefficients {
 struct JointCoefficients {
     double arm;                 ///< c_a = ρ - w/2 [m]
     double diameter;            ///< 2ρ [m]
-    double reach;               ///< c_a, or another distance from the points between which a gap is taken to the arcs' centres [m]
-    double square_excess;       ///< 4ρ² - 4 reach²; with c_a: w (4ρ - w) [m²]
     double stiffness, damping;  ///< k_J [N/m], χ_J [s/m]
     bool palmgren;
     double reference_depth;                                    ///< [m]

@@ -43,42 +43,39 @@ void read_tips(const ForceReading& from, int link) {
     copy(contact.radius, from.forces.tip_radius);
 }
 
-[[nodiscard]] Difference<Lanes<1>> between(const double* plus, End plus_end, const double* minus, End minus_end) noexcept {
-    constexpr int size = link_layout.link_size();
-    Lanes<1> front[size], rear[size];
-    std::copy_n(plus, size, front);
-    std::copy_n(minus, size, rear);
-    return {front, plus_end, rear, minus_end};
+/// @param link its states
+[[nodiscard]] LinkColumns<1> columns_of(const double* link) noexcept {
+    LinkColumns<1> columns;
+    std::copy_n(link, columns.state.size(), columns.state.data());
+    columns.frame = link_frame(columns.q(), columns.v());
+    return columns;
 }
 
 void read_plates(const ForceReading& from, int link) {
     const Coefficients& c = from.coefficients();
-    const double* q = from.link(link);
-    const double* v = q + link_layout.link_size();
-    const auto d = between(q, End::front, q, End::rear), rate = between(v, End::front, v, End::rear);
-    for (int plate = 0; plate < c.plates.count; ++plate) {
-        const auto stretch = plate_stretch<1>(c, Lanes<1>(c.kind(link).free_length), AxisPoint<1>(c.plates, plate),
-                                              c.plates.weight[place(plate)], c.plates.damping[place(plate)], d, rate);
+    const LinkColumns<1> columns = columns_of(from.link(link));
+    const Difference<Lanes<1>> rate(columns.v(), End::front, columns.v(), End::rear);
+    const auto read = [&](int plate, const PlateStretch<1>& stretch, const Lanes<1>&) {
         from.forces.plate_tension[place(c.plates.count * link + plate)] = stretch.tension[0];
-    }
+        return Zero{};
+    };
+    NoBooks none;
+    (void)pack_force<1>(c.plates, pack_place(columns.q(), columns.frame, Lanes<1>(c.kind(link).free_length)), {rate, columns.frame},
+                        columns.frame, none, read);
 }
 
 /// The joint of pin `pin`, between the links before and behind it.
 void read_joint(const ForceReading& from, int pin) {
     const Coefficients& c = from.coefficients();
-    const double* before = from.link(c.layout.previous(pin));
-    const double* after = from.link(pin);
-    constexpr int size = link_layout.link_size();
-    const auto frame = [](const double* link) -> LinkFrameOf<Lanes<1>> {
-        const LinkFrame f = link_frame(link, link + size);
-        return {f.tx, f.ty, f.inverse_length, f.turning};
-    };
-    const JointFrames<Lanes<1>> frames(frame(before), frame(after));
-    const auto gap = between(before, End::front, after, End::rear), rate = between(before + size, End::front, after + size, End::rear);
+    const LinkColumns<1> before = columns_of(from.link(c.layout.previous(pin))), after = columns_of(from.link(pin));
+    const auto pins = joint_place(c.joint, before.frame, after.frame, {before.q(), End::front, after.q(), End::rear},
+                                  {before.v(), End::front, after.v(), End::rear});
+    NoBooks none;
     const auto at_point = [&](int point) -> std::array<Lanes<1>, 3> {
-        const auto motion = joint_motion<1>(c.joint, frames, AxisPoint<1>(c.joint_points, point), gap, rate);
-        const auto rolling = rolling_forces<1>(c.joint, Lanes<1>(c.joint_points.weight[place(point)]), motion);
-        return {rolling.pressing.normal, rolling.friction_per_speed * motion.slip, rolling.friction_per_speed * motion.axial};
+        const auto motion = joint_motion<1>(c.joint, pins, AxisPoint<1>(c.joint_points, point));
+        const Lanes<1> normal = normal_force<1>(c.joint, Lanes<1>(c.joint_points.weight[place(point)]), motion).normal;
+        const Lanes<1> friction_per_speed = rolling_friction<1>(c.joint, motion, normal, none);
+        return {normal, friction_per_speed * motion.slip, friction_per_speed * motion.axial};
     };
     std::array<Lanes<1>, 3> total;
     pairwise_sum<1>(c.joint_points.count, c.joint_points.width, at_point, total);

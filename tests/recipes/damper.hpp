@@ -3,7 +3,7 @@
 /// which the halves of a link part; c ℓ'² [W] is booked as Loss::inner. Compiled into kernels by model/force/further_element.hpp.
 ///
 /// The default's numbers are floats: what is given here as coordinates has lost the digits of a stretch. An element of a stretch or a depth
-/// takes its difference where record_pass.hpp has doubles; a rate loses 1 um/s.
+/// takes its difference of doubles, as pack_place() does; a rate loses 1 um/s.
 
 #include "model/force/account.hpp"
 #include "model/force/link_frame.hpp"

@@ -45,30 +45,35 @@ struct LonePoint {
     [[nodiscard]] static constexpr std::size_t place_of(int component) noexcept { return static_cast<std::size_t>(component * axis_terms); }
 };
 
-using PointOfPlate = std::array<Lanes<six>, plate_rows<NoBooks>>;
-
-/// Force of one plate on the front half.
-[[nodiscard, gnu::noinline]] inline PointOfPlate plate_at(const Coefficients& c, const LinkKind& kind, int plate,
-                                                          const Difference<Lanes<six>>& d, const Difference<Lanes<six>>& rate) noexcept {
+/// Force of one plate on the front half. d, rate: distances and velocities along x, y, z
+[[nodiscard, gnu::noinline]] inline std::array<Lanes<six>, 3> plate_at(const Coefficients& c, const LinkKind& kind, const LinkFrame& frame,
+                                                                       int plate, const Lanes<six> (&d)[3],
+                                                                       const Lanes<six> (&rate)[3]) noexcept {
     const auto j = static_cast<std::size_t>(plate);
-    const LonePoint<six> place;
-    const auto stretch = plate_stretch<six>(c, Lanes<six>(kind.free_length), place, c.plates.weight[j], c.plates.damping[j], d, rate);
-    return plate_terms<six, NoBooks>(place, c.plates.weight[j], c.plates.damping[j], stretch, plate_slide(c, stretch));
+    const auto turned = [&](const Lanes<six>(&of)[3]) {
+        return PlateVector<Lanes<six>>{of[0] * frame.tx + of[1] * frame.ty, of[1] * frame.tx - of[0] * frame.ty, of[2]};
+    };
+    PlateVector<Lanes<six>> place = turned(d);
+    const PlateVector<Lanes<six>> moving = turned(rate);
+    place.along = place.along - kind.free_length;
+    const auto stretch = plate_stretch<six>(Lanes<six>(kind.free_length), c.plates.weight[j], c.plates.damping[j], place, moving);
+    const auto force = plate_force<six>(stretch, place, moving.z, plate_slide<six>(c, stretch, moving.z));
+    return {force.along * frame.tx - force.across * frame.ty, force.along * frame.ty + force.across * frame.tx, force.z};
 }
 
 using PointOfJoint = JointTerms<eleven>;
 
 /// One point of a joint, in the order of JointForce.
-[[nodiscard, gnu::noinline]] inline PointOfJoint joint_at(const Coefficients& c, const JointFrames<Lanes<eleven>>& frames, int point,
-                                                          const Difference<Lanes<eleven>>& gap,
-                                                          const Difference<Lanes<eleven>>& rate) noexcept {
-    const LonePoint<eleven> place;
+[[nodiscard, gnu::noinline]] inline PointOfJoint joint_at(const Coefficients& c, const JointPlace<Lanes<eleven>>& place,
+                                                          int point) noexcept {
+    const LonePoint<eleven> alone;
     const Lanes<eleven> weight(c.joint_points.weight[static_cast<std::size_t>(point)]);
-    const auto motion = joint_motion<eleven>(c.joint, frames, place, gap, rate);
+    const auto motion = joint_motion<eleven>(c.joint, place, alone);
     NoBooks none;
-    PointOfJoint terms = rolling_contact_force<eleven>(c.joint, frames, place, weight, motion, none);
-    if (all_at_most<eleven>(beyond_clearance<eleven>(c.joint, frames, motion), 0.0)) return terms;
-    const PointOfJoint held = clearance_force<eleven>(c.joint, frames, place, weight, motion, none);
+    const auto friction = [&](const Lanes<eleven>& normal) { return rolling_friction<eleven>(c.joint, motion, normal, none); };
+    PointOfJoint terms = rolling_contact_force<eleven>(c.joint, place.frames, alone, weight, motion, none, friction);
+    if (all_at_most<eleven>(beyond_clearance<eleven>(c.joint, place.frames, motion), 0.0)) return terms;
+    const PointOfJoint held = clearance_force<eleven>(c.joint, place.frames, alone, weight, motion, none);
     for (std::size_t k = 0; k < terms.size(); ++k) terms[k] += held[k];
     return terms;
 }
@@ -234,19 +239,18 @@ inline void add_plates(const Coefficients& c, const LinkKind& kind, const double
     using T = Lanes<six>;  // x y z | their rates
     using Weights = PointWeights;
     double local[Weights::count][2 * Weights::count] = {};
+    const LinkFrame frame = link_frame(state, state + n);
     const Difference<> d(state, End::front, state, End::rear), rate(state + n, End::front, state + n, End::rear);
     for (std::size_t j = 0; j < static_cast<std::size_t>(c.plates.count); ++j) {
         const Weights weights(c.plates, j);
-        const auto point = [&](const Difference<>& of, int first) {
-            Difference<T> alone;
-            alone.x[0] = T::variable(along_axis(c.plates, j, of.x), first);
-            alone.y[0] = T::variable(along_axis(c.plates, j, of.y), first + 1);
-            alone.z = T::variable(of.z + weights.xi * of.e, first + 2);
-            return alone;
-        };
-        const auto parts = plate_at(c, kind, static_cast<int>(j), point(d, 0), point(rate, 3));
+        const double xi = weights.xi;
+        const T place[3] = {T::variable(along_axis(c.plates, j, d.x), 0), T::variable(along_axis(c.plates, j, d.y), 1),
+                            T::variable(d.z + xi * d.e, 2)};
+        const T moving[3] = {T::variable(along_axis(c.plates, j, rate.x), 3), T::variable(along_axis(c.plates, j, rate.y), 4),
+                             T::variable(rate.z + xi * rate.e, 5)};
+        const auto parts = plate_at(c, kind, frame, static_cast<int>(j), place, moving);
         for (int r = 0; r < Weights::count; ++r) {
-            const T& part = parts[LonePoint<six>::place_of(Weights::component(r))];
+            const T& part = parts[static_cast<std::size_t>(Weights::component(r))];
             for (int k = 0; k < 2 * Weights::count; ++k) {
                 const int of = k % Weights::count, direction = Weights::component(of) + (k < Weights::count ? 0 : 3);
                 local[r][k] += weights.weight(r) * weights.weight(of) * part.slope[static_cast<std::size_t>(direction)];
@@ -307,8 +311,8 @@ public:
             opening.x[0] = variable(along_axis(points, g, rate.x), 2);
             opening.y[0] = variable(along_axis(points, g, rate.y), 3);
             opening.z = variable(rate.z + weights.xi * rate.e, 4);
-            const JointFrames<T> frames(frame(links.frame_before, 5), frame(links.frame_after, 8));
-            add_point(weights, joint_at(c, frames, static_cast<int>(g), open, opening));
+            const auto place = joint_place(c.joint, frame(links.frame_before, 5), frame(links.frame_after, 8), open, opening);
+            add_point(weights, joint_at(c, place, static_cast<int>(g)));
         }
     }
 

@@ -94,12 +94,12 @@ void expect_lanes_equal_links(const Parameters& p, const std::string& name, std:
     }
 }
 
-TEST(LanePass, LinksSideBySideGiveTheBitsOfLinksOneByOneAtEveryDetail) {
+TEST(LinkPass, LinksSideBySideGiveTheBitsOfLinksOneByOneAtEveryDetail) {
     std::uint64_t seed = 512;
     for (const oracle::Case& one : oracle::all_details(oracle::small_scene())) expect_lanes_equal_links(one.parameters, one.name, ++seed);
 }
 
-TEST(LanePass, SoTheyDoWithEveryFrictionLawAndManyPlates) {
+TEST(LinkPass, SoTheyDoWithEveryFrictionLawAndManyPlates) {
     for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
         for (const int plates : {1, 3, 14, 37}) {
             Parameters p = oracle::small_scene();
