@@ -38,8 +38,6 @@ std::span<const tools::Command> commands() noexcept {
         Command{"spectrum", method, "Compute the eigenvalues of a scene's Jacobian, and the contacts that cause them", declare_spectrum},
         Command{"local-error", method, "Measure the error of a single step against its length", declare_local_error},
         Command{"compare", accuracy, "Run methods and steps on a scene: errors, time, Newton's method, a pin's force", declare_compare},
-        Command{"tune", accuracy, "Measure levels of detail, methods and steps against each other: cost, errors of means, front",
-                tools::declare_tune},
         Command{"extremes", accuracy, "Run the edges of every parameter and say what comes of each", declare_extremes},
         Command{"lottery", accuracy, "Run machines drawn by chance with defaults and count how they end", declare_lottery},
         Command{"belt", accuracy, "Solve the theory of a continuous belt for a machine: thrust ratio, slip, shift, arcs", declare_belt},

@@ -46,8 +46,7 @@ bool matters_for_placing(const Parameter& parameter) noexcept {
     return std::ranges::find(operation, parameter.section()) == std::end(operation);
 }
 
-StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder, State of_all)
-    : sweep_(sweep), folder_(std::move(folder)), of_all_(std::move(of_all)) {
+StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder) : sweep_(sweep), folder_(std::move(folder)) {
     shareable_ = sweep.start == StartMode::shared ||
                  (sweep.start == StartMode::settle &&
                   !std::all_of(sweep.axes.begin(), sweep.axes.end(), [this](const Axis& axis) { return matters(axis); }));
@@ -96,7 +95,7 @@ void StartStates::keep(Map& map, const typename Map::key_type& key, typename Map
 }
 
 StartStates::State StartStates::of_case(long number, const Scene& scene, const engine::Cancellation& cancel) {
-    if (of_all_ || sweep_.start == StartMode::scene) return of_all_ ? of_all_ : file_state(scene);
+    if (sweep_.start == StartMode::scene) return file_state(scene);
     const long first = first_settling_alike(number);
     if (first < 0) return nullptr;
     if (State known = kept(of_settling_, first)) return known;

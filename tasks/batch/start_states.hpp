@@ -27,8 +27,7 @@ public:
     using Placed = std::shared_ptr<const model::StartState>;
 
     /// @param folder  where settled states are kept, by the hash of all that they depend on; made when it is needed
-    /// @param of_all  state that every case begins with; nullptr: by sweep.start
-    StartStates(const Sweep& sweep, std::filesystem::path folder, State of_all = nullptr);
+    StartStates(const Sweep& sweep, std::filesystem::path folder);
 
     /// The state that a case begins with; nullptr: it settles by itself. Any thread. Allocates nothing for a state that is kept.
     /// @param scene of the case   @throws StartFault, engine::RecordError
@@ -58,7 +57,6 @@ private:
 
     const Sweep& sweep_;
     std::filesystem::path folder_;
-    State of_all_;
     bool shareable_ = false;  ///< whether several cases of the sweep settle alike
     engine::Mutex mutex_;
     engine::OnceEach once_;

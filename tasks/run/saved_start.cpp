@@ -94,12 +94,6 @@ std::uint64_t content_hash(const engine::SavedState& saved) noexcept {
         .value();
 }
 
-model::Parameters settled_parameters(const engine::SavedState& saved, const Scene& scene) {
-    model::Parameters parameters = scene.parameters;
-    if (const std::optional<Scene> then = settled_scene(saved, scene.state_file)) parameters.detail = then->parameters.detail;
-    return parameters;
-}
-
 double start_misfit(const engine::SavedState& saved, const Scene& scene) {
     const std::optional<Scene> then = settled_scene(saved, scene.state_file);
     return then ? misfit_between(saved, *then, scene) : 0.0;

@@ -26,8 +26,6 @@ inline constexpr std::string_view ledger_size_attribute = "ledger_size";
 
 /// Text of the scene that a state was settled with; empty if the state does not contain it.
 [[nodiscard]] std::string_view settled_scene_text(const engine::SavedState& saved);
-/// The scene's machine at the level of detail that its unknowns have: that of the scene which the state contains, if any.
-[[nodiscard]] model::Parameters settled_parameters(const engine::SavedState& saved, const Scene& scene);
 /// Elastic energy that a state has in a scene's machine against that in the machine it was settled with: differences by kind, added up,
 /// over the latter. 0 where the state does not contain its scene, or other unknowns than the scene's.
 [[nodiscard]] double start_misfit(const engine::SavedState& saved, const Scene& scene);

@@ -16,7 +16,7 @@ LETTERS = {"void": "v", "const char*": "s", "cvtflow_code": "i", "int32_t": "i",
 TYPES = {"uint32_t": ctypes.c_uint32, "int32_t": ctypes.c_int32, "int64_t": ctypes.c_int64, "double": ctypes.c_double,
          "size_t": ctypes.c_size_t, "const char*": ctypes.c_char_p, "char": ctypes.c_char}
 STRUCTS = {"message": _library.Message, "options": _library.Options, "counters": _library.Counters, "energy": _library.Energy,
-           "channel_info": _library.Info, "transition": _library.Transition, "progress": _library.SweepProgress, "tuning": _library.TuningInfo}
+           "channel_info": _library.Info, "transition": _library.Transition, "progress": _library.SweepProgress}
 
 
 def letter(argument):
@@ -95,15 +95,14 @@ print(simulation.hash() == other.hash(), simulation.hash(), simulation.channels[
             self.skipTest("the core library is not built")
         shown = self.run_with_core("""
 simulation = cvtflow.Simulation("tiny")
-for action in (lambda: cvtflow.Recording(simulation, "r.h5"), lambda: cvtflow.SweepFile.read("s.toml"), cvtflow.shutdown,
-               lambda: cvtflow.tune("tiny")):
+for action in (lambda: cvtflow.Recording(simulation, "r.h5"), lambda: cvtflow.SweepFile.read("s.toml"), cvtflow.shutdown):
     try:
         action()
         print("done")
     except cvtflow.StateError as error:
         print(error)
 """)
-        self.assertEqual(shown.count("this library has no files and no threads of its own; install cvtflow with its program"), 4, shown)
+        self.assertEqual(shown.count("this library has no files and no threads of its own; install cvtflow with its program"), 3, shown)
 
 
 class Imports(unittest.TestCase):

@@ -11,13 +11,12 @@ import re
 import subprocess
 import sys
 import tempfile
-import time
 import types
 import unittest
 import unittest.mock
 from pathlib import Path
 
-from python_fixture import SOURCE, main, press_after, program, tiny
+from python_fixture import SOURCE, main, program, tiny
 from python_frames_test import Folder
 
 import numpy as np
@@ -28,34 +27,6 @@ from cvtflow import _errors, _known
 LOADS = {"load.torque": ["6 N*m", "12 N*m"], ("clamping.driving", "clamping.driven"): [("7 kN", "5 kN"), ("8 kN", "6 kN")]}
 SETTLED = {"start.settling_time": "20 us", "start.ramp_time": "10 us"}
 SETTINGS = {"run.until": "0.05 ms", **SETTLED}
-
-
-class Tuning(Folder):
-    def test_finds_a_scene_for_an_accuracy_once(self):
-        scene = cvtflow.Scene.read(SOURCE + "/scenes/free_ring.toml")
-        first = cvtflow.tune(scene, accuracy="5 %", outputs=["tight_tension"], budget="10 min", folder=self.folder)
-        self.assertLessEqual(first.error, 0.05)
-        self.assertFalse(first.kept)
-        self.assertIn(first.scene.value("run.method").strip('"'), first.choice)
-        again = cvtflow.tune(scene, accuracy=0.05, outputs=["tight_tension"], folder=self.folder)
-        self.assertTrue(again.kept)
-        self.assertEqual((again.choice, again.error), (first.choice, first.error))
-        simulation = cvtflow.Simulation(again.scene.with_("run.until=0.1 ms"))
-        simulation.advance_to(1e-4)
-        self.assertAlmostEqual(simulation.time, 1e-4, places=12)
-
-    def test_ends_with_the_signal_that_python_gets(self):
-        scene = cvtflow.Scene.read(SOURCE + "/scenes/baseline.toml")
-        begin = time.process_time()
-        pressed = press_after(lambda: time.process_time() > begin + 0.3)
-        with self.assertRaises(KeyboardInterrupt):
-            cvtflow.tune(scene, accuracy=0.01, folder=self.folder)
-        self.assertLess(time.process_time() - pressed[0], 1.0)
-        self.assertEqual(os.listdir(self.folder), [])
-
-    def test_refuses_outputs_that_there_are_not(self):
-        scene = cvtflow.Scene.read(SOURCE + "/scenes/free_ring.toml")
-        self.assertRaises(cvtflow.SceneError, cvtflow.tune, scene, 0.05, ["slop"], 0.0, self.folder)
 
 
 class Quotients(Folder):

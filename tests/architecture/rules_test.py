@@ -31,7 +31,7 @@ SYSTEM_HEADERS = {"dlfcn.h", "fcntl.h", "poll.h", "pthread.h", "sched.h", "unist
 FLOORS = {
     "model": ["basis", "parameters", "law", "machine", "force", "chain", "contact", "kernels", "rigid", "variator", "start", "observe"],
     "engine": ["base", "graph event thread", "method executor record", "alone"],
-    "tasks": ["step", "method", "channel", "scene", "schedule sizing", "run", "batch", "tuning"],
+    "tasks": ["step", "method", "channel", "scene", "schedule sizing", "run", "batch"],
 }
 
 

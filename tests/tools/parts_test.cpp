@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -22,12 +21,10 @@
 #include "tasks/scene/csv.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/tuning/tuned_scene.hpp"
 #include "tests/tools/program_fixture.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/progress.hpp"
 #include "tools/program/text/report_columns.hpp"
-#include "tools/program/text/tune_report.hpp"
 #include "tools/program/view/recorded_run.hpp"
 
 namespace cvtflow::tools {
@@ -64,17 +61,11 @@ TEST(CsvCell, IsNoFormulaAndReadsBack) {
     EXPECT_EQ(tasks::csv_lines(tasks::csv_cell("a,\"b\"\nc", true)).front(), std::vector<std::string>{"a,\"b\"\nc"});
 }
 
-/// Reports of tune and of the laboratory, too.
+/// Reports of the laboratory, too.
 TEST(CsvCell, IsWrittenAlikeByReports) {
     EXPECT_EQ(csv_cell(nlohmann::ordered_json("requires detail.pins = \"halves\"")), "\"requires detail.pins = \"\"halves\"\"\"");
     EXPECT_EQ(csv_cell(nlohmann::ordered_json("=1+1")), "'=1+1");
     EXPECT_EQ(csv_cell(nlohmann::ordered_json(-1.5)), "-1.5");
-    tasks::TuneResult result;
-    result.outputs = {"slip"};
-    result.choices.resize(1);
-    result.choices[0].outcome = "requires detail.pins = \"halves\"";
-    result.choices[0].worst = "=1+1";
-    EXPECT_THAT(tune_csv(result), HasSubstr(",\"'=1+1\",0,\"requires detail.pins = \"\"halves\"\"\"\n"));
 }
 
 TEST(Visible, SpellsOutWhatATerminalWouldObey) {
@@ -100,13 +91,6 @@ TEST_F(ProgramParts, APlaceThatThisUserMustNotCreateIsNamedWithTheOptionForAnoth
     ASSERT_EQ(seteuid(user), 0);
     fs::current_path(before);
     fs::permissions(folder_, fs::perms::owner_all);
-}
-
-TEST_F(ProgramParts, TuningPassesOverAPipeInItsCache) {
-    ASSERT_EQ(mkfifo((folder_ / "key.tuning").c_str(), 0600), 0);
-    alarm(20);  // a reader that waits would be ended
-    EXPECT_FALSE(tasks::read_tuning(folder_, "key").has_value());
-    alarm(0);
 }
 
 TEST_F(ProgramParts, ListEveryRowOfTheCatalogues) {

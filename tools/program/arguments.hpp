@@ -1,5 +1,5 @@
 #pragma once
-/// Arguments that several commands share: a scene and its changes, and the target of tuning.
+/// Arguments that several commands share: a scene and its changes; sweeps.
 
 #include <deque>
 #include <optional>
@@ -8,7 +8,6 @@
 
 #include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/tuning/tuner.hpp"
 
 namespace CLI {
 class App;
@@ -56,22 +55,6 @@ void declare_repeated(CLI::App& app, const char* option, std::vector<std::string
 void require_method(const std::string& method);
 /// Wall time [s] from text with a unit. @throws tasks::SceneError that names the option
 [[nodiscard]] double seconds_of(const std::string& option, const std::string& text);
-
-struct TuningArguments {
-    std::optional<std::string> accuracy;
-    std::string outputs;  ///< separated by commas; empty: the usual figures
-    std::string methods;  ///< separated by commas; empty: those that "auto" chooses among
-    std::optional<std::string> budget, settle, average;
-};
-
-/// "a, b" as {"a", "b"}.
-[[nodiscard]] std::vector<std::string> names_of(const std::string& list);
-
-/// Declares --accuracy, --outputs, --methods, --budget, --settling and --average.
-void declare_tuning(CLI::App& app, TuningArguments& arguments);
-
-/// @throws UsageError for an accuracy outside (0, 50 %] or an invalid time   @throws tasks::SceneError for an unknown method
-[[nodiscard]] tasks::TuneSettings tune_settings(const TuningArguments& arguments, bool quiet);
 
 /// Reads a sweep; scenes by name come from the ready ones.
 [[nodiscard]] tasks::Sweep load_sweep(const std::string& path);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -29,11 +30,13 @@ bool is_open_to_others(const fs::path& path, uid_t owner_of_program) {
     return found.st_uid != 0 && found.st_uid != geteuid() && found.st_uid != owner_of_program;
 }
 
-/// Variables that the command gets: those of cvtflow, what libraries are searched by, where temporary files go, the terminal's width.
+/// Variables that the command gets: those of cvtflow, what libraries are searched by, where temporary and cached files go, the terminal's
+/// width.
 std::vector<std::string> environment(const fs::path& program) {
     std::vector<std::string> settings{"PATH=/usr/bin:/bin", "LC_ALL=C.UTF-8", "HDF5_USE_FILE_LOCKING=FALSE", "OPENBLAS_NUM_THREADS=1",
                                       "CVTFLOW_PROGRAM=" + program.string()};
-    constexpr std::string_view kept[] = {"LD_LIBRARY_PATH", "LD_PRELOAD", "TMPDIR", "COLUMNS", "SOURCE_DATE_EPOCH"};
+    constexpr std::string_view kept[] = {"LD_LIBRARY_PATH",   "LD_PRELOAD", "TMPDIR",        "COLUMNS",
+                                         "SOURCE_DATE_EPOCH", "HOME",       "XDG_CACHE_HOME"};
     for (char** each = environ; *each != nullptr; ++each) {
         const std::string_view setting = *each, name = setting.substr(0, setting.find('='));
         const bool own = name.starts_with("CVTFLOW_") && name != "CVTFLOW_PROGRAM";
@@ -65,8 +68,7 @@ std::string package_file(const fs::path& program, const std::string& name) {
                     place.string()));
 }
 
-}  // namespace
-
+/// Texts as a list that ends with nullptr.
 std::vector<char*> pointers(std::vector<std::string>& texts) {
     std::vector<char*> all;
     for (std::string& text : texts) all.push_back(text.data());
@@ -74,24 +76,19 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
     return all;
 }
 
-std::string PythonStart::failure(int reason) const {
-    return fmt::format(
-        "{} requires Python, and {} cannot be started: {} (Debian: apt-get install python3 python3-matplotlib python3-h5py "
-        "python3-jinja2; CVTFLOW_PYTHON names another interpreter)",
-        words[6], words[0].empty() ? "python3" : words[0], std::strerror(reason));
-}
-
-PythonStart python_start(std::span<const std::string> words, const std::string& script) {
-    const fs::path program = fs::canonical("/proc/self/exe");
-    PythonStart start{{interpreter(), "-I", "-B", "-X", "utf8", package_file(program, script)}, environment(program)};
-    start.words.insert(start.words.end(), words.begin(), words.end());
-    return start;
-}
+}  // namespace
 
 void become_python(std::span<const std::string> words, const std::string& script) {
-    PythonStart start = python_start(words, script);
-    execve(start.words[0].c_str(), pointers(start.words).data(), pointers(start.environment).data());
-    throw std::runtime_error(start.failure(errno));
+    const fs::path program = fs::canonical("/proc/self/exe");
+    std::vector<std::string> command{interpreter(), "-I", "-B", "-X", "utf8", package_file(program, script)},
+        settings = environment(program);
+    command.insert(command.end(), words.begin(), words.end());
+    std::fflush(nullptr);
+    execve(command[0].c_str(), pointers(command).data(), pointers(settings).data());
+    throw std::runtime_error(
+        fmt::format("{} requires Python, and {} cannot be started: {} (Debian: apt-get install python3 python3-matplotlib python3-h5py "
+                    "python3-jinja2; CVTFLOW_PYTHON names another interpreter)",
+                    words[0], command[0].empty() ? "python3" : command[0], std::strerror(errno)));
 }
 
 }  // namespace cvtflow::tools

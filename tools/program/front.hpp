@@ -15,15 +15,4 @@ namespace cvtflow::tools {
 /// @throws UsageError, std::runtime_error: what to install where package or interpreter is missing
 [[noreturn]] void become_python(std::span<const std::string> words, const std::string& script = "__main__.py");
 
-/// How a command of Python is started.
-struct PythonStart {
-    std::vector<std::string> words, environment;  ///< the interpreter first
-    /// "NAME requires Python, and … cannot be started: REASON". @param reason errno
-    [[nodiscard]] std::string failure(int reason) const;
-};
-/// @throws UsageError for a relative CVTFLOW_PYTHON; std::runtime_error for a package that is not there, or that others may change
-[[nodiscard]] PythonStart python_start(std::span<const std::string> words, const std::string& script = "__main__.py");
-/// Texts as a list that ends with nullptr.
-[[nodiscard]] std::vector<char*> pointers(std::vector<std::string>& texts);
-
 }  // namespace cvtflow::tools

@@ -19,7 +19,7 @@ constexpr std::array commands{
     Command{"resume", run, "Resume a run from its checkpoint, or an unfinished sweep, bit for bit", declare_resume},
     Command{"settle", run, "Settle a scene's geometric start and save the state for start.state", declare_settle},
     Command{"check", run, "Check a scene without running it; print its size and estimated cost", declare_check},
-    Command{"tune", run, "Find the cheapest detail, method and step for a target accuracy, by measuring", declare_tune},
+    Command{"tune", run, "Find the cheapest detail, method and step for a target accuracy, by measuring", in_python},
     Command{"batch", sweep, "Run a sweep: many variants of a scene, one row of results each", declare_batch},
     Command{"table", sweep, "Show the results of a sweep as text or CSV, or count the cycles of a recorded load", in_python},
     Command{"diff", sweep, "Compare the results of two sweeps case by case", in_python},

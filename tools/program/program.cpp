@@ -99,9 +99,12 @@ int act(const CLI::App& app, const Program& program, const std::vector<Action>& 
     return static_cast<int>(status);
 }
 
-/// Hands a command of Python's over to it; --isa may stand before or behind the command. Returns for every other command line.
+std::vector<std::string> words_given;
+
+/// Hands a command of Python's over to it, and run with an accuracy; --isa may stand before or behind the command. Returns for every other
+/// command line.
 void become_python_for(const Program& program, int argc, char** argv) {
-    std::vector<std::string> words;
+    std::vector<std::string>& words = words_given;
     std::string isa;
     for (int k = 1; k < argc; ++k) {
         const std::string word = argv[k];
@@ -113,7 +116,9 @@ void become_python_for(const Program& program, int argc, char** argv) {
             words.push_back(word);
     }
     const auto command = std::ranges::find(program.commands, words.empty() ? "" : words.front(), &Command::name);
-    if (command == program.commands.end() || command->declare != nullptr) return;
+    const bool tunes = !words.empty() && words.front() == "run" &&
+                       std::ranges::any_of(words, [](const std::string& word) { return word.starts_with("--accuracy"); });
+    if (command == program.commands.end() || (command->declare != nullptr && !tunes)) return;
     if (!isa.empty()) choose_isa(isa);
     become_python(words);
 }
@@ -146,6 +151,8 @@ int execute(const Program& program, int argc, char** argv) {
 }
 
 }  // namespace
+
+std::span<const std::string> given_words() noexcept { return words_given; }
 
 int run_program(const Program& program, int argc, char** argv) noexcept {
     take_standard_descriptors();

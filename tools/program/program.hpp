@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "tools/program/guard.hpp"
@@ -34,6 +35,9 @@ struct Program {
 /// main() of a program. @return its exit status
 [[nodiscard]] int run_program(const Program& program, int argc, char** argv) noexcept;
 
+/// Command and arguments of this process, without --isa.
+[[nodiscard]] std::span<const std::string> given_words() noexcept;
+
 /// The subcommands of cvtflow, each with a row in tools/program/main.cpp.
 Action declare_run(CLI::App& app);
 Action declare_resume(CLI::App& app);
@@ -45,6 +49,5 @@ Action declare_export(CLI::App& app);
 Action declare_list(CLI::App& app);
 Action declare_explain(CLI::App& app);
 Action declare_schema(CLI::App& app);
-Action declare_tune(CLI::App& app);
 
 }  // namespace cvtflow::tools

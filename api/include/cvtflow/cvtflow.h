@@ -267,32 +267,14 @@ typedef struct cvtflow_progress {
 /* Other than 0 ends the sweep. */
 typedef int (*cvtflow_progress_function)(const cvtflow_progress* progress, void* user);
 
-/* Runs the cases of a sweep file that have no row in the folder yet, and waits for them, as `cvtflow batch` does: tuned and verified
- * where the sweep has [accuracy]. folder NULL: checks the file, and calls the function once. threads 0: as many as the process may use. The
+/* Runs the cases of a sweep file that have no row in the folder yet, and waits for them, as `cvtflow batch` does. One with
+ * [accuracy] is refused (CVTFLOW_ARGUMENT): `cvtflow batch` runs it. folder NULL: checks the file, and calls the function once. threads 0: as many as the process may use. The
  * function, if not NULL, is called from one thread at a time, of the library: before the first case, after each, and every 50 ms while cases
  * step. CVTFLOW_CANCELLED if it ends the sweep, whose running cases then run again later; CVTFLOW_SCENE for the file; CVTFLOW_RECORD for folders
  * and tables; CVTFLOW_STATE for results of another sweep, program version or start state, or where the first dozen cases all fail alike. Not
  * in the core library. */
 CVTFLOW_API cvtflow_code cvtflow_sweep_run(const char* file, const char* folder, int32_t threads, cvtflow_progress_function function,
                                            void* user, cvtflow_message* message);
-
-/* Choice of tuning. */
-typedef struct cvtflow_tuning {
-    uint32_t size;
-    int32_t kept;     /* other than 0: taken from the cache, not measured now */
-    double error;     /* largest measured error [1] */
-    char choice[240]; /* in words */
-} cvtflow_tuning;
-/* Other than 0 ends what is under way. */
-typedef int (*cvtflow_asked_function)(void* user);
-
-/* The scene with the cheapest detail, method and step for a largest error of the outputs, above 0 and at most 0.5: measured at the scene's start
- * and at the extremes of its tables over time, or taken from the cache. Takes seconds to minutes. outputs as "slip,efficiency", NULL: slip,
- * efficiency, tight_tension, tips. budget: wall time after which no further choice is tried [s]; 0: no limit. folder of the cache; NULL: the
- * user's. The function, if not NULL, is called by the calling thread every 50 ms. CVTFLOW_STATE if nothing is as accurate. Not in the core library. */
-CVTFLOW_API cvtflow_code cvtflow_tune(const cvtflow_scene* scene, double accuracy, const char* outputs, double budget, const char* folder,
-                                      cvtflow_asked_function function, void* user, cvtflow_scene** tuned, cvtflow_tuning* tuning,
-                                      cvtflow_message* message);
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// All of the C++ interface that is installed: the core library has no records, sweeps and tuning.
+/// All of the C++ interface that is installed: the core library has no records and sweeps.
 
 #include <cvtflow/error.hpp>
 #include <cvtflow/scene.hpp>
@@ -10,5 +10,4 @@
 #if __has_include(<cvtflow/sweep.hpp>)
 #include <cvtflow/recording.hpp>
 #include <cvtflow/sweep.hpp>
-#include <cvtflow/tune.hpp>
 #endif

@@ -44,8 +44,8 @@ if typing.TYPE_CHECKING:
     from ._sweep import Sweep as Sweep
     from ._sweep_file import SweepFile as SweepFile
     from ._tables import Results as Results
-    from ._tune import Tuning as Tuning
-    from ._tune import tune as tune
+    from ._tuning import Tuning as Tuning
+    from ._tuning import tune as tune
     from .pages import report as report
 
 # Names by module, which is imported when one of them is used: a command that needs little starts in little time.
@@ -61,7 +61,7 @@ _MODULES = {
     "_sweep": "Sweep",
     "_sweep_file": "SweepFile",
     "_tables": "Results",
-    "_tune": "Tuning tune",
+    "_tuning": "Tuning tune",
     "_fit": "Fit fit",
     "_scene_fmu": "export_fmu",
     "pages": "report",

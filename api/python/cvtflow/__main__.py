@@ -1,4 +1,4 @@
-"""Commands of the program that Python carries out. `cvtflow NAME …` executes this file: `python3 -I -B -X utf8 __main__.py NAME …`.
+"""Commands of the program that Python carries out, and what `run` and `batch` have it do for an accuracy. `cvtflow NAME …` executes this file: `python3 -I -B -X utf8 __main__.py NAME …`.
 
 Each command is a module of commands/ with `declare(parser)` and `act(arguments)`, which returns an exit status (None: 0). The package is
 loaded from the folder of this file, whatever else has its name.
@@ -9,7 +9,7 @@ import os
 import sys
 
 COMMANDS = {"table": "table", "diff": "diff", "plot": "plot", "report": "report", "export-fmu": "export_fmu", "reduce": "reduce",
-            "clamp": "clamp", "fit": "fit"}  # module of commands/ by name
+            "clamp": "clamp", "fit": "fit", "tune": "tune"}  # module of commands/ by name
 
 
 def _load_package():
@@ -24,4 +24,4 @@ if __name__ == "__main__":
     _load_package()
     from cvtflow.commands import _front
 
-    sys.exit(_front.main(COMMANDS | {"draw": "draw"}, sys.argv[1:]))
+    sys.exit(_front.main(COMMANDS | {"run": "run", "accuracy": "accuracy"}, sys.argv[1:]))

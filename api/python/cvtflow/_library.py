@@ -29,7 +29,7 @@ input_describe i i p p"""
 LONG = """shutdown i; scene_read i s p p; scene_parse i s s p p; scene_ready i s p p; scene_with i p p n p p; scene_with_detail i p s p p;
 scene_text i p p p p; create i p p p p; copy i p p p; destroy v p; advance_to i p d p; step i p p; largest_stable_step i p p p;
 state_set i p p n p; state_check i p n p; rhs i p d p p n p; record_begin i p s i p; record_finish i p i p; sweep_run i s s i f p p;
-record_check i s p; tune i p d s d s f p p p p"""
+record_check i s p"""
 TYPES = {"v": None, "s": ctypes.c_char_p, "p": c_void_p, "f": c_void_p, "i": c_int32, "d": c_double, "n": c_size_t, "u": c_uint64}
 
 
@@ -101,12 +101,6 @@ class SweepProgress(Versioned):
                 ("failed", c_int64), ("wall", c_double)]
 
 
-class TuningInfo(Versioned):
-    """What tuning has chosen."""
-
-    _fields_ = [("size", c_uint32), ("kept", c_int32), ("error", c_double), ("choice", ctypes.c_char * 240)]
-
-
 class Column(NamedTuple):
     """A channel over time: name, unit ("1" for a plain number), description, width (numbers per row)."""
 
@@ -121,7 +115,6 @@ class Column(NamedTuple):
 
 ON_LINE = ctypes.CFUNCTYPE(None, ctypes.c_char_p, c_void_p)
 ON_PROGRESS = ctypes.CFUNCTYPE(c_int32, ctypes.POINTER(SweepProgress), c_void_p)
-ON_ASKED = ctypes.CFUNCTYPE(c_int32, c_void_p)
 
 
 def _places():

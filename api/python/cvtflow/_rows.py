@@ -68,7 +68,24 @@ def read(path):
             found.setdefault(int(cells[0]), cells)
     columns = [Column(each["name"], each["unit"], each["description"], each.get("key", ""), tuple(each.get("shown", (each["unit"], 1.0))))
                for each in facts["columns"]]
-    return Rows(path, facts["sweep"], facts, columns, [found[number] for number in sorted(found)])
+    rows = Rows(path, facts["sweep"], facts, columns, [found[number] for number in sorted(found)])
+    _add_errors(rows, folder)
+    return rows
+
+
+def _add_errors(rows, folder):
+    """Adds the choice of a sweep with [accuracy], and the errors of its verified cases as columns behind the scalars."""
+    try:
+        with open(os.path.join(folder, "accuracy.json"), encoding="utf-8") as file:
+            known = json.load(file)
+    except (OSError, ValueError):
+        return
+    rows.facts.update({f"accuracy_{name}": known[name] for name in ("target", "choice", "at_corners")})
+    place = [column.name for column in rows._columns].index("efficiency")
+    for number, column in enumerate(rows._columns[place - len(known["scalars"]):place]):
+        name = "error_of_" + column.name
+        rows._columns.insert(place + number, Column(name, "1", "relative error against the reference run; nan: not verified", "", ("1", 1.0)))
+        rows.cells[name] = [known["errors"].get(f"{case:.0f}", [float("nan")] * (number + 1))[number] for case in rows.cells["case"]]
 
 
 def _facts(folder):

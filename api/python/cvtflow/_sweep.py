@@ -151,11 +151,24 @@ class Sweep:
         if client is not None:
             return self._run_on(client, folder.absolute(), threads, progress)
         folder.mkdir(parents=True, exist_ok=True)
+        if self.accuracy is not None:
+            return self._run_verified(folder, threads, progress)
         if (folder / "sweep.json").exists() and not self._has_files(folder):
             with tempfile.TemporaryDirectory() as elsewhere:  # of another sweep: it is refused; else it continues
                 _run(self.write(Path(elsewhere, "sweep.toml")), folder, threads, progress)
         else:
             _run(self.write(folder / "sweep.toml"), folder, threads, progress)
+        return self.results(folder)
+
+    def _run_verified(self, folder, threads, progress):
+        from . import _verified_sweep
+
+        with tempfile.TemporaryDirectory() as elsewhere:
+            path = Path(elsewhere, "sweep.toml")
+            self.write(path)
+            _verified_sweep.tune(path, folder, threads)
+            _run(SweepFile.read(folder / "tuned.toml"), folder, threads, progress)
+            _verified_sweep.verify(folder, threads)
         return self.results(folder)
 
     def _has_files(self, folder):

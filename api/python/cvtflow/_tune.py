@@ -1,42 +1,429 @@
-"""The cheapest detail, method and step for an accuracy."""
+"""The cheapest detail, method and step for an accuracy, found by measuring: a sweep over operating points for each choice.
+
+Choices (levels of detail x methods x shares of the automatic step) run at every operating point in the order of their cost, and their outputs
+are compared with those of the finest level at a quarter of its automatic step or less. The first whose errors, times a margin, are within the
+target everywhere is taken; what ends early or does not close its energy balance never is.
+"""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Sequence
-from ctypes import byref
-from typing import NamedTuple
+import itertools
+import json
+import math
+import random
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from ._library import ON_ASKED, TuningInfo, c, encoded, in_si, interruptible, plain
-from ._scene import Scene, opened
+from . import _rows
+from ._errors import Error, SceneError, StartStateError, StateError
+from ._known import suggestion
+from ._library import described, in_si
+from ._scene import Scene, all_keys, toml
+from ._simulation import Simulation, Threads
+from ._sweep_file import SweepFile
+
+MARGIN = 2.0  # errors at an untried point may be larger by this factor
+LONE_MARGIN = 4.0  # likewise where one point is tried: it may happen to be one of small errors (measured within 5 % of it: 0.9 to 3.4 times)
+CONVERGED = 0.25  # largest difference of a reference to one with twice its step, as a share of the target over MARGIN
+_SHARES, _REFERENCE_SHARES = (1.0, 0.5, 0.25), (0.5, 0.25, 0.125, 0.0625)  # of the automatic step
+_GAINED = 4.0  # largest ratio of the errors of two steps, one of which is half the other
+FIGURES = {  # name: scalar, and what an error is divided by; None: its expected value
+    "slip": ("slip mean", lambda slip: max(abs(slip), 1e-4)),
+    "efficiency": ("efficiency mean", lambda _: 1.0),  # in percentage points
+    "losses": ("efficiency mean", lambda efficiency: abs(1.0 - efficiency)),
+    "tight_tension": ("tight_tension mean", None), "slack_tension": ("slack_tension mean", None),
+    "tips": ("pins/end_force mean", None), "ratio": ("ratio mean", None), "thrust_ratio": ("thrust_ratio mean", None)}
+USUAL = ("slip", "efficiency", "tight_tension", "tips")
 
 
-class Tuning(NamedTuple):
-    """A scene with the settings for a target accuracy; the choice as text; the largest measured error; whether the choice came from the
-    cache."""
+class AccuracyError(StateError):
+    """No choice meets the target. early: the budget ended first, so that choices remain untried."""
 
-    scene: Scene
-    choice: str
-    error: float
-    kept: bool
-
-    def __repr__(self) -> str:
-        return f"<cvtflow.Tuning scene={self.scene!r}, choice={self.choice!r}, error={self.error!r}, kept={self.kept!r}>"
+    def __init__(self, text: str, early: bool = False) -> None:
+        super().__init__(text)
+        self.early = early
 
 
-@plain("tune")
-def tune(scene: Scene | str | os.PathLike[str], accuracy: float | str = 0.01, outputs: Sequence[str] = (), budget: float | str = 0.0,
-         folder: str | os.PathLike[str] = "") -> Tuning:
-    """The cheapest detail, method and step with which outputs (slip, efficiency, tight_tension, tips) are as accurate ("1 %"): measured, or
-    taken from the cache. Takes seconds to minutes. Ctrl-C ends it."""
-    opened_scene, info, asked = opened(scene), TuningInfo(), []
-    function, names = ON_ASKED(lambda _: len(asked)), ",".join(outputs).encode() or None
-    share, longest, place = in_si(accuracy, "accuracy", "1"), in_si(budget, "budget", "s"), encoded(folder, (str, os.PathLike)) or None
+class _BudgetUsedUp(Exception):
+    """The budget ended during a measurement, which the argument names."""
 
-    def work():
-        # tuned and info come before the message, which made() adds
-        return Scene._made(lambda tuned, said: c.tune(opened_scene._handle, share, names, longest, place, function, None, tuned, byref(info),
-                                                      said))
 
-    tuned = interruptible(work, lambda: asked.append(True))
-    return Tuning(tuned, info.choice.decode(), info.error, info.kept != 0)
+class Choice(NamedTuple):
+    """A level of detail with settings "key=value" after it (empty: the scene's), a method, and its step: a share of the automatic one, or [s]."""
+
+    detail: str
+    method: str
+    share: float = 1.0
+    step: float = 0.0
+
+    def text(self) -> str:
+        """"fine, leapfrog-sweep, 1/2 of the automatic step\""""
+        steps = "automatic step" if self.share == 1.0 else f"1/{1.0 / self.share:g} of the automatic step"
+        return f"{self.detail or 'own detail'}, {self.method}, {f'step {self.step:g} s' if self.step else steps}"
+
+
+def chosen(scene: Scene, choice: Choice, step: float, state: str | None = None) -> Scene:
+    """The scene with a choice. step: fixed, 0: automatic [s]; state: of its start, None: as the scene has it"""
+    level, *changes = choice.detail.split() or [""]
+    scene = scene.with_({"run.method": "auto", "run.step": "auto", "run.step_control": "fixed"})
+    scene = scene.with_detail(level) if level else scene
+    return scene.with_(*changes, {"run.method": choice.method, "run.step": step or "auto"} | ({} if state is None else {"start.state": state}))
+
+
+class Points:
+    """Operating points: the cases of a sweep without a level of detail, whose scalars are the outputs.
+
+    scene    base of the cases
+    sweep    contents of the sweep's file, but for the scene
+    outputs  (name, number among the sweep's scalars, what errors are divided by) of each
+    budget   wall time of all measurements, 0: no limit [s]
+    say      called with what is measured
+    only     cases that are points, as sweep.only of a sweep file
+    """
+
+    def __init__(self, scene: Scene, sweep: dict[str, Any], outputs: list[tuple[str, int, Any]], budget: float = 0.0,
+                 say: Callable[[str], Any] = lambda text: None, threads: int = 0, only: Any = None) -> None:
+        self.scene = scene.with_({"run.schedule": "serial", "run.threads": 1, "run.max_steps": 0, "run.max_wall": 0})
+        self.outputs, self.names, self._sweep, self._say, self._threads = outputs, [], sweep, say, threads
+        self._head = {"only": only} if only else {}
+        self._settles = sweep.get("start", {}).get("mode") == "settle"
+        self._end, self._what = time.monotonic() + budget if budget else math.inf, ""
+        self._folder = tempfile.mkdtemp(prefix="cvtflow-tune-")
+        self._numbers, self._states, self._probed = itertools.count(), {}, {}
+
+    def __enter__(self) -> Points:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def begin(self, what: str) -> None:
+        """Reports a measurement. Raises _BudgetUsedUp."""
+        self._what = what
+        self._say(what)
+        if time.monotonic() > self._end:
+            raise _BudgetUsedUp(what)
+
+    def _swept(self, scene, sweep, **head):
+        """The folder of a sweep that has run."""
+        folder = Path(self._folder, str(next(self._numbers)))
+        folder.mkdir()
+        (folder / "scene.toml").write_text(scene.text, encoding="utf-8")
+        (folder / "sweep.toml").write_text(file_text(sweep, scene="scene.toml", **head), encoding="utf-8")
+        file = SweepFile.read(folder / "sweep.toml")
+        if not file.run(folder, self._threads, waiting=lambda _: file.cancel() if time.monotonic() > self._end else None):
+            raise _BudgetUsedUp(self._what)
+        return folder
+
+    def state(self, choice: Choice) -> str:
+        """File of the state with which a choice begins: the scene's, or one settled at its level; empty: cases settle by themselves."""
+        if choice.detail not in self._states:
+            scene = chosen(self.scene, choice, 0.0)
+            try:
+                Simulation(scene, Threads.caller())
+                found = scene["start.state"]
+            except StartStateError:
+                found, scene = "", scene.with_("start.state=")
+            if not found and not self._settles and scene["start.layout"] == "belt" and scene["start.settling_time"] > 0.0:
+                sweep = {"axes": [{"key": "run.until", "values": [1e-5]}], "outputs": {"scalars": ["tight_tension mean"]}}
+                found = str(next(self._swept(scene, sweep | {"start": {"mode": "shared"}}).rglob("*.h5"), ""))
+            self._states[choice.detail] = "" if self._settles else found
+        return self._states[choice.detail]
+
+    def probe(self, choice: Choice) -> tuple[str, float, float, float]:
+        """(method, automatic step [s], evaluations times unknowns per simulated second, processor time per simulated second) of some steps."""
+        key = choice.detail, choice.method, choice.step
+        if key not in self._probed:
+            simulation = Simulation(chosen(self.scene, choice, choice.step, self.state(choice)), Threads.caller())
+            self._steps(simulation, 100)  # in the beginning many tips first touch
+            before, begin, start = simulation.counters().evaluations, time.process_time(), simulation.time
+            self._steps(simulation, 300)
+            evaluations, passed = simulation.counters().evaluations - before, simulation.time - start
+            self._probed[key] = (simulation.method, simulation.step_length, evaluations * simulation.size() / passed,
+                                 (time.process_time() - begin) / passed)
+        return self._probed[key]
+
+    @staticmethod
+    def _steps(simulation, count):
+        for _ in range(count):
+            simulation.step()
+
+    def run(self, choice: Choice, step: float) -> list[tuple[list[float], str, str]]:
+        """(outputs, objection, notes) of every point; an objection states why the outputs are invalid."""
+        rows = _rows.read(self._swept(chosen(self.scene, choice, step, self.state(choice)), self._sweep, **self._head))
+        cells = rows.cells
+        keys = [column for column in rows.columns() if column.key]
+        self.names = self.names or [", ".join(_named(key.key, cells[key.name][row]) for key in keys) for row in range(rows.size)]
+        scalars = scalars_in(rows, len(self._sweep["outputs"]["scalars"]))
+        made = []
+        for row in range(rows.size):
+            status, error = cells["status"][row], cells["error"][row]
+            objection = "" if status == "ok" else error or f"{status}: its energy balance does not close" * (status == "unreliable") or status
+            made.append(([cells[scalars[number]][row] for _, number, _ in self.outputs], objection, cells["notes"][row]))
+        return made
+
+    def errors(self, row: Any, expected: Any) -> list[float]:
+        """Relative error of every output; infinite where the run has none."""
+        errors = []
+        for (_, _, scale), value, right in zip(self.outputs, row[0], expected[0]):
+            error = math.inf if row[1] else abs(value - right) / max(scale(right) if scale else abs(right), 1e-300)
+            errors.append(math.inf if math.isnan(error) else error)
+        return errors
+
+    def references(self, agreement: float) -> list[tuple[Any, float, float, str]]:
+        """(row, share, agreement, text) by point: the finest level at a quarter of its automatic step or less, such that twice that step has
+        errors of at most `agreement`; a row of None has no reference, and the text states why."""
+        finest, found, before = Choice(described("levels")["rows"][-1]["name"], "auto"), {}, []
+        for share in _REFERENCE_SHARES:
+            self.begin(f"reference, 1/{1.0 / share:g} of its automatic step")
+            method, step, *_ = self.probe(finest)
+            rows = self.run(finest, share * step)
+            for point, (row, other) in enumerate(zip(rows, before)):
+                if point in found and found[point][0]:
+                    continue
+                off = max(self.errors(other, row)) if not row[1] else math.inf
+                text = row[1] or (f"{finest.detail} has not converged at {share:g} of its automatic step: twice that step has errors of "
+                                  f"{100 * off:.2g} %, above {100 * agreement:.2g} %")
+                if off <= agreement:
+                    text = (f"{finest.detail}, {method} at {share:g} of its automatic step; twice that step has errors of {100 * off:.2g} %"
+                            + "; unsteady: its means still change (--settling, --average)" * ("unsteady" in row[2]))
+                found[point] = (row if off <= agreement else None, share, off, text)
+            if before and all(found[point][0] for point in found):
+                break
+            before = rows
+        return [found[point] for point in sorted(found)]
+
+
+def _named(key, value):
+    """A key with its value: load.torque = 230 N*m"""
+    return f"{key} = {value:.4g} {all_keys()[key].unit}".removesuffix(" 1") if isinstance(value, (int, float)) else f"{key} = {value}"
+
+
+def scalars_in(rows: Any, count: int) -> list[str]:
+    """Names of the columns of a sweep's scalars."""
+    names = [column.name for column in rows.columns() if not column.name.startswith("error_of_")]
+    return names[names.index("efficiency") - count:names.index("efficiency")]
+
+
+def file_text(sections: dict[str, Any], **head: Any) -> str:
+    """The text of a sweep file. sections: all but [sweep]; head: keys of that one"""
+    return "".join(f"{section} = {toml(values)}\n" for section, values in ({"sweep": head} | sections).items())
+
+
+def outputs_of(names: Sequence[str], pulleys: bool) -> list[tuple[str, str, Any]]:
+    """(name, scalar, what errors are divided by) of figures and scalars by name; none: the usual ones. Raises SceneError."""
+    for name in names:
+        if name in FIGURES and not pulleys and not name.endswith("_tension"):
+            raise SceneError(f"outputs: {name} requires pulleys, but this scene has none")
+        if name not in FIGURES and " " not in name:
+            raise SceneError(f'outputs: {name} is not one of {", ".join(FIGURES)}, nor a scalar such as "slip median"'
+                             + suggestion(name, FIGURES))
+    names = names or [name for name in USUAL if pulleys or name.endswith("_tension")]
+    return [(name, *FIGURES.get(name, (name, None))) for name in names]
+
+
+def _inputs(scene):
+    """(key, lowest, highest, at t = 0) of the tables over time that act. Raises SceneError for a scene whose inputs cannot be held."""
+    refused = ((scene["vehicle.mass"] > 0.0, "a [vehicle] cannot be tuned: the load follows from its speed; tune a scene without it at a speed "
+                                             "and torque of its own, and use the result here"),
+               (scene["hydraulics.mode"] != "none", f'hydraulics.mode "{scene["hydraulics.mode"]}" cannot be tuned: oil carries on what it '
+                                                    'held; tune with "none", and use the result here'),
+               (scene["drive.mode"] == "coupling" or scene["load.mode"] != "torque",
+                'drive.mode "coupling" and load.mode "speed" and "coupling" cannot be tuned; tune with load.mode = "torque" and the torque '
+                "that acts, and use the result here"))
+    for found, text in refused:
+        if found:
+            raise SceneError(f"{scene.name}: {text}")
+    for key in all_keys().values():
+        if key.table and key.name.split(".")[0] not in ("vehicle", "cycle"):
+            value = json.loads(scene.value(key.name))
+            if not isinstance(value, list):
+                yield key.name, value, value, value
+            elif value and all(isinstance(row, list) and len(row) == 2 for row in value):
+                numbers = [row[1] for row in value]
+                yield key.name, min(numbers), max(numbers), numbers[0]  # no table begins before t = 0
+
+
+def points_of(scene: Scene, settings: Settings, unseen: int = 0, say: Callable[[str], Any] = lambda text: None) -> Points:
+    """The scene with its inputs as they are at t = 0, then each table over time at its lowest and highest value, the others as at t = 0. unseen:
+    instead that number of points between: tables somewhere between their ends; load and clamping, where they are constant, and the speed of a
+    ring within 5 % of what they are. Equal seeds (run.seed) give equal points."""
+    inputs = list(_inputs(scene))
+    if unseen:
+        inputs = [(key, low, high, at) if low < high else (key, 0.95 * at, 1.05 * at, at) for key, low, high, at in inputs
+                  if low < high or (at and key.split(".")[0] in ("load", "clamping"))]
+        if scene["detail.pulleys"] == "absent":
+            speed = scene["start.ring_speed"]
+            inputs = [("start.ring_speed", 0.95 * speed, 1.05 * speed, speed)]
+        drawn = random.Random(scene["run.seed"])
+        rows = [[drawn.uniform(low, high) for _, low, high, _ in inputs] for _ in range(unseen)]
+        names = [", ".join(_named(key, value) for (key, *_), value in zip(inputs, row)) for row in rows]
+    else:
+        inputs = [each for each in inputs if each[1] < each[2]]
+        start = [at for *_, at in inputs]
+        ends = [(k, key, end) for k, (key, low, high, at) in enumerate(inputs) for end in (low, high) if end != at]
+        rows = [start] + [[*start[:k], end, *start[k + 1:]] for k, _, end in ends]
+        names = ["start"] + [_named(key, end) for _, key, end in ends]
+    outputs = outputs_of(settings.outputs, scene["detail.pulleys"] != "absent")
+    scalars = list(dict.fromkeys(scalar for _, scalar, _ in outputs))
+    columns = {"run.until": [settings.settling + settings.average] * len(rows)}
+    columns |= {key: list(values) for (key, *_), values in zip(inputs, zip(*rows))}
+    sweep = {"axes": [{"zip": [{"key": key, "values": values} for key, values in columns.items()]}],
+             "outputs": {"scalars": scalars, "from": f"{settings.settling} s"}}
+    points = Points(scene, sweep, [(name, scalars.index(scalar), scale) for name, scalar, scale in outputs], settings.budget, say)
+    points.names = names
+    return points
+
+
+class Settings(NamedTuple):
+    """accuracy: largest error of every output; outputs: figures or scalars, none: the usual; levels: as Choice.detail, none: all, and the
+    scene's; methods: METHOD or METHOD@STEP, none: auto; budget: wall time [s], 0: no limit; settling: before the averages [s]; average [s];
+    all: measure every choice"""
+
+    accuracy: float = 0.01
+    outputs: Sequence[str] = ()
+    levels: Sequence[str] = ()
+    methods: Sequence[str] = ()
+    budget: float = 0.0
+    settling: float = 20e-3
+    average: float = 16e-3
+    all: bool = False
+
+
+def _bases(points, settings, left_out):
+    """A choice with what probe() measured of every level with every method that it takes."""
+    known = [row["name"] for row in described("levels")["rows"]]
+    own = [] if any(points.scene == points.scene.with_detail(level) for level in known) else [""]  # the scene's detail has no name
+    bases = {}
+    for level in settings.levels or known + own:
+        for given in settings.methods or ["auto"]:
+            method, _, step = given.partition("@")
+            points.begin("costs of levels of detail")
+            try:
+                probed = points.probe(base := Choice(level, method, 1.0, in_si(step, "methods", "s") if step else 0.0))
+                bases.setdefault(base._replace(method=probed[0]), probed)
+            except Error as error:
+                left_out.append(f"{given} at {level or 'the detail of the scene'}: {error}")
+    if not bases:
+        raise StateError(f"{points.scene.name}: no choice can be tried:\n  " + "\n  ".join(left_out))
+    return bases
+
+
+def search(points: Points, settings: Settings) -> dict[str, Any]:
+    """What `cvtflow tune --json` writes: every choice in the order of its cost with its errors, and the number of the chosen one (None: none)."""
+    begin = time.monotonic()
+    found = {"scene": points.scene.name, "provenance": described("build"), "accuracy": settings.accuracy, "margin": MARGIN,
+             "outputs": [name for name, *_ in points.outputs], "points": [], "references": [], "left_out": [], "chosen": None,
+             "budget_used_up_by": None, "choices": [], "unseen": [], "next_digit": "", "wall": 0.0}
+    try:
+        for choice, (_, step, work, seconds) in _bases(points, settings, found["left_out"]).items():
+            for share in (1.0,) if choice.step else _SHARES:
+                found["choices"].append({
+                    "detail": choice.detail, "method": choice.method, "share": share, "step": choice.step or (share < 1.0) * share * step,
+                    "seconds_per_second": seconds / share, "work_per_second": work / share, "tried": False, "errors": [], "worst": "",
+                    "front": False, "standing": "budget used up"})
+        found["choices"].sort(key=lambda row: row["work_per_second"])  # not by time: every run and machine chooses the same
+        references = points.references(CONVERGED * settings.accuracy / MARGIN)
+        for name, (row, _, _, text) in zip(points.names, references):
+            (found["references"] if row else found["left_out"]).append(text if row else f"{name}: {text}")
+            found["points"] += [name] if row else []
+        if not found["points"]:
+            raise StateError(f"{points.scene.name}: no operating point has a reference run for an accuracy of {100 * settings.accuracy:g} %:\n"
+                             "  " + "\n  ".join(found["left_out"]))
+        if len(references) == 1:
+            found["margin"] = LONE_MARGIN
+        for number, row in enumerate(found["choices"]):
+            _judge(points, settings, found, references, row)
+            if row["standing"] == "chosen":
+                found["chosen"] = number
+        tried = [row for row in found["choices"] if row["tried"] and math.isfinite(max(row["errors"]))]
+        for row in tried:
+            row["front"] = not any(_beats(other, row) for other in tried)
+        if found["chosen"] is not None:
+            found["next_digit"] = _next_digit(found, references)
+    except _BudgetUsedUp as used:
+        found["budget_used_up_by"] = str(used)
+    found["wall"] = time.monotonic() - begin
+    return found
+
+
+def choice_of(row: dict[str, Any]) -> Choice:
+    """The Choice of a row of search()."""
+    return Choice(row["detail"], row["method"], row["share"], row["step"] if row["share"] == 1.0 else 0.0)
+
+
+def _beats(a, b):
+    """Whether a choice is cheaper and as exact as another, or as cheap and more exact."""
+    cost, error = [row["work_per_second"] for row in (a, b)], [max(row["errors"]) for row in (a, b)]
+    return cost[0] <= cost[1] and error[0] <= error[1] and (cost[0] < cost[1] or error[0] < error[1])
+
+
+def _judge(points, settings, found, references, row):
+    """Measures a choice at all points, unless it costs more than the chosen one, or its level is what is wrong."""
+    allowed = settings.accuracy / found["margin"]
+    if found["chosen"] is not None and not settings.all:
+        row["standing"] = "more expensive than the chosen one"
+        return
+    similar = (other for other in found["choices"] if other["detail"] == row["detail"] and 2.0 * row["share"] >= other["share"] > row["share"])
+    if not settings.all and any(other["tried"] and _GAINED * allowed < max(other["errors"]) < math.inf for other in similar):
+        row["standing"] = "insufficient detail"
+        return
+    choice = choice_of(row)
+    points.begin(choice.text())
+    try:
+        rows = points.run(choice, row["step"])
+    except Error as error:
+        rows = [([], str(error), "")] * len(references)
+    judged = [(points.errors(is_, reference[0]), name, is_[1]) for is_, reference, name in zip(rows, references, points.names) if reference[0]]
+    errors, row["worst"], objection = max(judged, key=lambda each: max(each[0]))
+    row["errors"], row["tried"] = [max(each) for each in zip(*(errors for errors, *_ in judged))], True
+    worst = max(range(len(errors)), key=errors.__getitem__)
+    row["standing"] = "within the target" if found["chosen"] is not None else "chosen"
+    if not errors[worst] <= allowed:
+        row["standing"] = (f"{objection} at {row['worst']}" if objection
+                           else f"{found['outputs'][worst]} has an error of {100 * errors[worst]:.2g} % at {row['worst']}")
+
+
+def _next_digit(found, references):
+    """What a tenth of the target costs: the cheapest choice tried that is within it, or of the references the one with twice the step."""
+    target, chosen_row = 0.1 * found["accuracy"], found["choices"][found["chosen"]]
+    exact = [row for row in found["choices"] if row["tried"] and max(row["errors"]) * found["margin"] <= target]
+    if exact and exact[0] is chosen_row:
+        return f"nothing: the choice is within {100 * target:g} %, too"
+
+    def times(seconds, choice):
+        factor = seconds / chosen_row["seconds_per_second"]
+        return f"{factor:.2g} times the time: {choice.text()} is within {100 * target:g} %"
+
+    if exact:
+        return times(exact[0]["seconds_per_second"], choice_of(exact[0]))
+    level = described("levels")["rows"][-1]["name"]
+    finest = next((row for row in found["choices"] if row["detail"] == level and row["share"] == 1.0), None)
+    share = 2.0 * min(share for row, share, *_ in references if row)
+    if finest is None or max(off for row, _, off, _ in references if row) * found["margin"] > target:
+        return "not known: no measured choice is that exact"
+    return "at most " + times(finest["seconds_per_second"] / share, Choice(level, finest["method"], share))
+
+
+def why_none(found: dict[str, Any]) -> str:
+    """Reason why search() has chosen nothing."""
+    tried, used = [row for row in found["choices"] if row["tried"]], found["budget_used_up_by"]
+    if used:
+        none = f"none of the {len(tried)} that were tried has errors times {found['margin']:g} within the target; " if tried else "nothing was tried: "
+        return f"{none}the budget ended during: {used}"
+    return f"no choice has errors times {found['margin']:g} within the target"
+
+
+def taken(found: dict[str, Any]) -> dict[str, Any]:
+    """The row of the chosen one. Raises AccuracyError that names the nearest."""
+    if found["chosen"] is not None:
+        return found["choices"][found["chosen"]]
+    if found["budget_used_up_by"]:
+        raise AccuracyError(f"{found['scene']}: {why_none(found)}", early=True)
+    nearest = min((row for row in found["choices"] if row["tried"]), key=lambda row: max(row["errors"]))
+    raise AccuracyError(f"{found['scene']}: no tried choice is within {100 * found['accuracy']:g} % (with a margin of {found['margin']:g}); "
+                        f"nearest: {choice_of(nearest).text()}: {nearest['standing']}")

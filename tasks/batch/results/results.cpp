@@ -34,12 +34,11 @@ constexpr std::string_view unhashed[] = {"wall", "program", "start_state"};
 
 [[nodiscard]] std::string in(const std::string& folder, const char* name) { return (fs::path(folder) / name).string(); }
 
-/// Column of a scalar's error: of verified cases, or stated by cases that end when they are steady.
-ResultColumn error_column(const Sweep& sweep, const Scalar& scalar) {
-    const char* meaning =
-        sweep.steady() ? "relative error of its mean, by trend and scatter; of an efficiency relative to the losses' share, at least 2 %"
-                       : "relative error against the reference run; nan: not verified";
-    return {std::string(error_prefix) + scalar.column, "1", fmt::format("{}: {}", scalar.text, meaning)};
+/// Column of the error that cases state which end when they are steady.
+ResultColumn error_column(const Scalar& scalar) {
+    return {
+        std::string(error_prefix) + scalar.column, "1",
+        scalar.text + ": relative error of its mean, by trend and scatter; of an efficiency relative to the losses' share, at least 2 %"};
 }
 
 }  // namespace
@@ -53,7 +52,7 @@ std::vector<ResultColumn> result_columns(const Sweep& sweep) {
     }
     for (const Scalar& scalar : sweep.scalars) columns.push_back({scalar.column, scalar.unit(), scalar.description()});
     for (const Scalar& scalar : sweep.scalars) {
-        if (sweep.accuracy.target > 0.0 || sweep.steady()) columns.push_back(error_column(sweep, scalar));
+        if (sweep.steady()) columns.push_back(error_column(scalar));
     }
     if (sweep.steady()) columns.push_back({"settled_for", "s", "time until the begin of the means, which are over as long again"});
     columns.insert(columns.end(),
@@ -120,7 +119,7 @@ std::string row_of(const Sweep& sweep, const CaseResult& r) {
             add_value(*sweep.axes[a].keys[key], sweep.axes[a].at(sweep.row(r.number, a), key), row);
     }
     for (const double scalar : r.scalars) row.add(scalar);
-    if (sweep.accuracy.target > 0.0 || sweep.steady()) {
+    if (sweep.steady()) {
         for (const double error : r.errors) row.add(error);
     }
     if (sweep.steady()) row.add(r.settled_for);

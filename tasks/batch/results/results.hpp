@@ -27,7 +27,7 @@ struct ResultColumn {
     bool operator==(const ResultColumn&) const = default;
 };
 
-/// Begins the names of columns with measured errors of scalars, in sweeps with an accuracy.
+/// Begins the names of columns with errors of scalars, of cases that end when they are steady.
 inline constexpr std::string_view error_prefix = "error_of_";
 
 /// case, status, varying keys, scalars, their errors, start, steps, evaluations, …, wall, hash, error.

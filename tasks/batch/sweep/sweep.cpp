@@ -69,9 +69,6 @@ std::string Sweep::definition() const {
     lines += fmt::format("start.mode = {}\n", sweep_choices("start", "mode")[static_cast<std::size_t>(start)]);
     lines += fmt::format("start.continuation = {}\n", continuation);
     if (!across.empty()) lines += fmt::format("start.across = {}\n", across);
-    if (accuracy.target > 0.0)
-        lines += fmt::format("accuracy.target = {}\naccuracy.verify = {}\naccuracy.seed = {}\n", number_text(accuracy.target),
-                             accuracy.verify, accuracy.seed);
     return lines;
 }
 
@@ -103,6 +100,47 @@ Scene scene_of_case(const Sweep& sweep, long number) {
 }
 
 namespace {
+
+/// Rows of an axis in which one of its keys is lowest or highest; texts have their first and last row.
+std::set<std::size_t> extreme_rows(const Axis& axis) {
+    std::set<std::size_t> rows{0, axis.rows() - 1};
+    for (std::size_t key = 0; key < axis.keys.size(); ++key) {
+        std::size_t lowest = 0, highest = 0;
+        for (std::size_t row = 0; row < axis.rows(); ++row) {
+            const auto* value = std::get_if<double>(&axis.at(row, key));
+            const auto *low = std::get_if<double>(&axis.at(lowest, key)), *high = std::get_if<double>(&axis.at(highest, key));
+            if (value == nullptr || low == nullptr || high == nullptr) continue;
+            if (*value < *low) lowest = row;
+            if (*value > *high) highest = row;
+        }
+        rows.insert({lowest, highest});
+    }
+    return rows;
+}
+
+/// Cases at the corners of a sweep's axes: all combinations of the rows in which a key is lowest, highest, first or last. If there are more
+/// than 8, that number is picked evenly, first and last included. Cases whose values contradict each other are left out.
+std::vector<long> corner_cases(const Sweep& sweep) {
+    constexpr std::size_t most = 8;
+    std::vector<long> corners{0};
+    for (const Axis& axis : sweep.axes) {
+        std::vector<long> more;
+        for (const long before : corners) {
+            for (const std::size_t row : extreme_rows(axis))
+                more.push_back(before * static_cast<long>(axis.rows()) + static_cast<long>(row));
+        }
+        corners = std::move(more);
+    }
+    std::erase_if(corners, [&](long number) {
+        Scene scene = sweep.scene;
+        sweep.apply_case(number, scene);
+        return !violations(scene).empty();
+    });
+    if (corners.size() <= most) return corners;
+    std::vector<long> picked;
+    for (std::size_t i = 0; i < most; ++i) picked.push_back(corners[i * (corners.size() - 1) / (most - 1)]);
+    return picked;
+}
 
 using FindScene = std::function<std::filesystem::path(const std::string&)>;
 
@@ -183,6 +221,7 @@ private:
             view.problem(view.find("name")->position, fmt::format("name: {} {}", toml_text(sweep_.name.substr(0, 60)), wrong));
         if (const std::string wrong = engine::text_problem(sweep_.description); !wrong.empty())
             view.problem(view.find("description")->position, fmt::format("description: {}", wrong));
+        only_ = view.find("only");
         if (!view.require("scene")) return;
         const auto name = view.text("scene");
         if (name) scene(*name, view);
@@ -329,7 +368,7 @@ private:
         if (sweep_.accuracy.target > 0.0 && sweep_.steady())
             problems_.push_back({{}, "accuracy: run.until = \"steady\" has no fixed time; give one"});
         outputs_within_run();
-        start_takes_accuracy();
+        keep_cases();
         if (!Method::find(method_of(sweep_.scene))) problems_.push_back({{}, "run.method: " + no_method(sweep_.scene.run.method)});
     }
 
@@ -362,24 +401,38 @@ private:
         }
     }
 
-    /// Tuning chooses the level of detail, and brings the scene's state over to it: between levels of halves, or of rigid pins, alone.
-    void start_takes_accuracy() {
-        const Scene& scene = sweep_.scene;
-        if (!(sweep_.accuracy.target > 0.0) || sweep_.start != StartMode::scene || scene.state_file.empty()) return;
-        const auto saved = saved_start(scene);
-        const auto settled = settled_layout(*saved, scene);
-        const model::ChainLayout own = model::layout_of(scene.parameters);
-        if (!settled || (settled->links == own.links && settled->rigid == own.rigid)) return;
-        problems_.push_back({{},
-                             "accuracy: start.state has the unknowns of another level of detail than the sweep's scene; leave the level to "
-                             "[accuracy] (remove sweep.detail and detail.*), or let cases settle (start.mode = \"settle\")"});
-    }
-
     /// Keys that [accuracy] chooses cannot be axes as well.
     void tunable(std::string_view key) {
         const bool found = key.starts_with("detail.") || key == "run.method" || key.starts_with("run.step");
         if (sweep_.accuracy.target > 0.0 && found)
             problems_.push_back({{}, fmt::format("accuracy: {} varies, but detail, method and step are chosen by [accuracy]", key)});
+    }
+
+    /// Leaves the cases of sweep.only: rows of one axis.
+    void keep_cases() {
+        if (only_ == nullptr || !problems_.empty()) return;
+        const auto* numbers = std::get_if<Node::Array>(&only_->value);
+        const auto* rule = std::get_if<std::string>(&only_->value);
+        std::vector<long> cases = rule != nullptr && *rule == "corners" ? corner_cases(sweep_) : std::vector<long>{};
+        for (const Node& node : numbers != nullptr ? *numbers : Node::Array{}) {
+            const auto* number = std::get_if<std::int64_t>(&node.value);
+            cases.push_back(number != nullptr && *number >= 0 && *number < sweep_.cases() ? static_cast<long>(*number) : -1);
+        }
+        if (cases.empty() || std::ranges::find(cases, -1) != cases.end())
+            return problems_.push_back(
+                {{}, fmt::format("sweep.only: not \"corners\" of valid cases, nor a list of numbers below {}", sweep_.cases())});
+        Axis kept{"zip", {}, {}};
+        for (const Axis& axis : sweep_.axes) kept.keys.insert(kept.keys.end(), axis.keys.begin(), axis.keys.end());
+        for (const long number : cases) {
+            for (std::size_t a = 0; a < sweep_.axes.size(); ++a) {
+                const Axis& axis = sweep_.axes[a];
+                for (std::size_t k = 0; k < axis.keys.size(); ++k) kept.values.push_back(axis.at(sweep_.row(number, a), k));
+            }
+        }
+        sweep_.axes = {kept};
+        sweep_.continuation.clear();
+        sweep_.across.clear();
+        sweep_.line = sweep_.lines = 1;
     }
 
     void independent(std::string_view key, Position position) {
@@ -388,6 +441,7 @@ private:
 
     const FindScene& find_scene_;
     Sweep sweep_;
+    const Node* only_ = nullptr;                              ///< sweep.only
     std::vector<std::pair<std::string_view, Position>> set_;  ///< keys of [set]
     std::vector<Problem> problems_;
 };

@@ -20,6 +20,8 @@ const std::vector<SweepKey> sweep_rows{
     {"sweep", "description", SweepForm::text, "empty", "Purpose of the sweep, in one or two sentences."},
     {"sweep", "scene", SweepForm::text, "", "Ready scene, or a file relative to the sweep's."},
     {"sweep", "detail", SweepForm::text, "the scene's", "Level of detail (cvtflow list detail)."},
+    {"sweep", "only", SweepForm::cases, "all",
+     "Cases that run, numbered anew: their numbers, or those at the corners of the axes, at most 8."},
     {"set", "*", SweepForm::scene_keys, "the scene's", "Keys of the scene that apply to all cases, written as in a scene."},
     {"axes", "key", SweepForm::text, "none", "Key of the scene that varies along this axis; every axis multiplies the cases."},
     {"axes", "values", SweepForm::values, "none", "The values of `key`, as a list."},
@@ -82,6 +84,7 @@ std::string form_of(const SweepKey& row) {
         case values: return "a list of values as the scene's key is written";
         case texts: return "a list of texts (\"slip mean\", \"tips/axial_force[*] max\", \"ratio at 1 ms\")";
         case tables: return fmt::format("a list of tables (cvtflow explain sweep.{}.{})", row.table, row.name);
+        case cases: return "a list of numbers, or \"corners\"";
         case scene_keys: return "as in a scene (cvtflow list keys)";
     }
     return {};
@@ -147,6 +150,7 @@ Json form_schema(const SweepKey& row) {
         case SweepForm::texts: return {{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}};
         case SweepForm::tables:
             return {{"type", "array"}, {"items", table_schema(std::string(row.table) + "." + std::string(row.name))}, {"minItems", 1}};
+        case SweepForm::cases: return {{"type", {"array", "string"}}, {"items", {{"type", "integer"}}}};
         case SweepForm::scene_keys: return {};
     }
     return {};

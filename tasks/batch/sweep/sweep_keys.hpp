@@ -14,7 +14,7 @@
 namespace cvtflow::tasks {
 
 /// Notation of a key's value.
-enum class SweepForm { text, integer, boolean, time, share, choice, value, values, texts, tables, scene_keys };
+enum class SweepForm { text, integer, boolean, time, share, choice, value, values, texts, tables, cases, scene_keys };
 
 struct SweepKey {
     std::string_view table;  ///< table with its parents in the file: "sweep", "axes", "axes.zip" …

@@ -80,21 +80,6 @@ TEST_F(LabCommands, LocalErrorOfSeveralMethodsIsATableAndAPictureEach) {
     EXPECT_THAT(read("errors/local-error-velocities-piecewise.svg"), AllOf(HasSubstr(">rk4</text>"), HasSubstr(">heun</text>")));
 }
 
-/// Methods that the program has not, and keys of detail, are measured as choices.
-TEST_F(LabCommands, TuneMeasuresMethodsOfTheLaboratoryAndKeysOfDetail) {
-    ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "0.2ms", "--set", "start.ramp_time=0.1ms"}).status, 0);
-    const Outcome outcome = run({"tune", "tiny", "--set", "start.state=s.h5", "--accuracy", "50 %", "--outputs", "tight_tension",
-                                 "--settling", "0.2 ms", "--average", "0.2 ms", "--all", "--levels", "full, full detail.plates=lumped",
-                                 "--methods", "leapfrog-sweep@0.5us, rk4@100ns", "-q", "--json"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err << outcome.out;
-    const auto table = nlohmann::json::parse(read("results/tune_tiny.json"));
-    ASSERT_EQ(table["choices"].size(), 4u);
-    for (const auto& choice : table["choices"]) {
-        EXPECT_TRUE(choice["tried"]) << choice["detail"];
-        EXPECT_EQ(double(choice["step"]), choice["method"] == "rk4" ? 100e-9 : 0.5e-6);
-    }
-}
-
 TEST_F(LabCommands, CompareShowsThePinsForceByMethod) {
     const Outcome outcome = run(std::vector<std::string>{"compare", "tiny", "rk4@50ns", "dumka3-p2@1us", "--duration", "24us",
                                                          "--reference", "rk4@25ns", "--rounds", "1", "--pin", "0", "-q", "-o", "c"} +

@@ -2,6 +2,7 @@
 
 import argparse
 import atexit
+import contextlib
 import difflib
 import importlib
 import importlib.util
@@ -128,6 +129,23 @@ def matplotlib():
     os.close(here)
 
 
+@contextlib.contextmanager
+def interruptible():
+    """Inside, signals that end a process raise KeyboardInterrupt, so that it tidies up; outside they end it at once."""
+    signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = [signal.signal(number, signal.default_int_handler) for number in signals]
+    yield
+    for number, handler in zip(signals, before):
+        signal.signal(number, handler)
+
+
+def become_program(words):
+    """Replaces this process by the program that has started it. words: command and arguments"""
+    sys.stdout.flush()
+    program = os.environ["CVTFLOW_PROGRAM"]
+    os.execv(program, [program, *words])
+
+
 def _message(error):
     """What is said of an error."""
     if isinstance(error, OSError) and error.filename is not None:
@@ -142,14 +160,20 @@ def _status(commands, words):
     try:
         module = importlib.import_module(f"cvtflow.commands.{commands[words[0]]}")
         parser = Parser(words[0], module.DESCRIPTION, getattr(module, "FOOTER", ""))
+        if not hasattr(module, "declare"):  # of the program, not of users
+            return module.act(*words[1:]) or 0
         module.declare(parser)
         return module.act(parser.read(words[1:])) or 0
     except SystemExit as end:  # --help
         return end.code
+    except KeyboardInterrupt:
+        return 130
     except Exception as error:  # its message is what the user gets
         if os.environ.get("CVTFLOW_TRACE"):
             raise
         say(_message(error))
+        if hasattr(error, "early"):  # AccuracyError
+            return 4 if error.early else 7
         return 2 if {"UsageError", "Misuse"} & {kind.__name__ for kind in type(error).__mro__} else 1
 
 

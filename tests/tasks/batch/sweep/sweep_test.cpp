@@ -268,14 +268,29 @@ TEST(DrawCases, AreDistinctAscendingAndOfTheSeed) {
     EXPECT_TRUE(draw_cases(0, 5, 1).empty());
 }
 
-TEST_F(SweepFile, RefusesAnAccuracyOfCasesThatBeginWithAStateOfAnotherLevel) {
-    const std::string more =
-        "[outputs]\nscalars = [\"slip mean\"]\n[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2]\n[accuracy]\ntarget = \"3 %\"\n";
-    const std::string of_baseline = "[sweep]\nscene = \"baseline\"\n";
-    EXPECT_EQ(error(of_baseline + more), "none");
-    EXPECT_THAT(error(of_baseline + "detail = \"rigid\"\n" + more),
-                HasSubstr("accuracy: start.state has the unknowns of another level of detail"));
-    EXPECT_EQ(error(of_baseline + "detail = \"rigid\"\n" + more + "[start]\nmode = \"settle\"\n"), "none");
+TEST_F(SweepFile, KeepsTheCasesThatOnlyNames) {
+    const std::string torque = "[[axes]]\nkey = \"load.torque\"\nvalues = [8, 14, 6, 10]\n";
+    const std::string speed = "[[axes]]\nkey = \"drive.speed\"\nvalues = [100, 150, 200]\n";
+    const auto only = [&](const std::string& which, const std::string& axes) {
+        return "[sweep]\nscene = \"tiny\"\nonly = " + which + "\n[outputs]\nscalars = [\"slip mean\"]\n" + axes;
+    };
+    // rows 0, 1, 2 and 3 of the torques: first, highest, lowest, last; rows 0 and 2 of the speeds
+    const Sweep corners = read(only("\"corners\"", torque + speed));
+    ASSERT_EQ(corners.cases(), 8);
+    EXPECT_EQ(value(corners, 3, "load.torque"), 14.0);
+    EXPECT_EQ(value(corners, 3, "drive.speed"), 200.0);
+    const Sweep two = read(only("[11, 4]", torque + speed));
+    ASSERT_EQ(two.cases(), 2);
+    EXPECT_EQ(value(two, 0, "load.torque"), 10.0);
+    EXPECT_EQ(value(two, 1, "drive.speed"), 150.0);
+    EXPECT_THAT(error(only("[12]", torque + speed)),
+                HasSubstr("sweep.only: not \"corners\" of valid cases, nor a list of numbers below 12"));
+    const std::string inner = "[[axes]]\nkey = \"pulley.innermost\"\nvalues = [\"10 mm\", \"11 mm\", \"30 mm\"]\n";
+    EXPECT_EQ(read(only("\"corners\"", inner)).cases(), 1) << "30 mm are beyond pulley.outermost";
+    std::string eleven = "[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2, 3]\n";
+    for (const char* key : {"clamping.driving", "clamping.driven", "drive.speed"})
+        eleven += std::string("[[axes]]\nkey = \"") + key + "\"\nvalues = [100, 150]\n";
+    EXPECT_EQ(read(only("\"corners\"", eleven)).cases(), 8) << "of sixteen";
 }
 
 /// A search for the nearest name took 0.06 ms of each.

@@ -9,7 +9,6 @@
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/schema.hpp"
 #include "tasks/run/run.hpp"
-#include "tasks/tuning/tuned_scene.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
@@ -23,8 +22,6 @@ namespace {
 
 struct RunArguments {
     SceneArguments scene;
-    TuningArguments tuning;
-    std::optional<std::string> cache;
     std::string output;
     std::string checkpoint;
     std::optional<std::string> checkpoint_every;
@@ -108,22 +105,11 @@ tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& sce
     return tasks::run_scene(scene, options);
 }
 
-/// The scene with detail, method and step for the target accuracy: from the cache, or tuned now.
-tasks::Scene tuned(const RunArguments& arguments, const tasks::Scene& scene) {
-    const tasks::TuneSettings settings = tune_settings(arguments.tuning, arguments.quiet);
-    const std::filesystem::path folder = arguments.cache ? std::filesystem::path(*arguments.cache) : tasks::usual_tuning_folder();
-    const tasks::TunedScene made = tasks::tuned_scene(scene, settings, folder, catch_interrupts());
-    say(arguments.quiet, fmt::format("{}: {} for {} (largest error measured: {:.2g} %){}", scene.name, made.kept.choice.text(),
-                                     *arguments.tuning.accuracy, 100.0 * made.kept.error,
-                                     made.result ? fmt::format(", found in {}", clock_text(made.result->wall)) : ", from the cache"));
-    return made.scene;
-}
-
-ExitStatus run_loaded(const RunArguments& arguments, LoadedScene loaded) {
+ExitStatus run(const RunArguments& arguments) {
+    const LoadedScene loaded = load_scene(arguments.scene);
     say(arguments.quiet, loaded.notice);
     const std::string file = record_path(arguments, loaded.scene);
     const engine::Permit permit = require_places(arguments, loaded.scene, file);
-    if (arguments.tuning.accuracy) loaded.scene = tuned(arguments, loaded.scene);
     const tasks::RunReport report = simulate(arguments, loaded.scene, permit);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}{}", loaded.scene.name, tasks::summary(report), machine_text(), field("record", record_text(file)));
@@ -135,16 +121,6 @@ ExitStatus run_loaded(const RunArguments& arguments, LoadedScene loaded) {
         print_error("cycle_missed: " + report.cycle_miss.text(report.whole));
     }
     return exit_status(report);
-}
-
-ExitStatus run(const RunArguments& arguments) try {
-    return run_loaded(arguments, load_scene(arguments.scene));
-} catch (const tasks::AccuracyError& error) {
-    print_error(error.what());
-    return error.used_up_budget ? ExitStatus::budget : ExitStatus::inaccurate;
-} catch (const tasks::SimulationError&) {
-    if (arguments.tuning.accuracy && catch_interrupts().requested()) return ExitStatus::cancelled;
-    throw;
 }
 
 struct SettleArguments {
@@ -201,16 +177,14 @@ Action declare_run(CLI::App& app) {
     declare_shortcut(app, scene, "--segments", "run.segments", "N");
     declare_shortcut(app, scene, "--seed", "run.seed", "N");
     declare_fresh_start(app, scene);
-    declare_tuning(app, arguments->tuning);
-    for (const char* chosen : {"--method", "--step", "--tolerance", "--detail"}) app.get_option("--accuracy")->excludes(chosen);
-    for (const char* needs : {"--outputs", "--methods", "--budget", "--settling", "--average"}) app.get_option(needs)->needs("--accuracy");
-    app.add_option("--cache", arguments->cache,
-                   "Folder that caches the choices of --accuracy (default: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow)")
-        ->type_name("DIR")
-        ->needs("--accuracy");
+    app.add_option("--accuracy",
+                   "Choose detail, method and step for this largest error of the outputs, e.g. \"1 %\"; cvtflow tune has further options")
+        ->type_name("SHARE");  // Python's part of run
     app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
     app.footer(
-        "--accuracy chooses detail, method and step as cvtflow tune does, and caches the choice for the next run of the same scene.\n"
+        "--accuracy measures as cvtflow tune does, whose --outputs, --methods, --budget, --settling and --average it takes, and caches the "
+        "choice\nfor "
+        "the next run of the same scene in --cache DIR ($XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow).\n"
         "--tolerance chooses steps by the local error (run.step_control = \"error\"), at most --step.\n"
         "Times have units: --step \"50 ns\" --until 2ms. Ctrl-C ends the run and completes its record; a second Ctrl-C ends it at once.\n"
         "With --checkpoint-every, cvtflow resume FILE continues a killed run; results are bitwise equal.\n"

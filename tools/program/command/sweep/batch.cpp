@@ -14,8 +14,8 @@
 #include "tasks/batch/results/results.hpp"
 #include "tasks/run/run_recorder.hpp"
 #include "tasks/schedule/schedule.hpp"
-#include "tasks/tuning/verified_sweep.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/front.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output.hpp"
 #include "tools/program/program.hpp"
@@ -85,35 +85,8 @@ void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, cons
 /// `finished` only if all cases are ok.
 ExitStatus status_of(const tasks::CaseTally& tally) { return tally.failed() == 0 ? ExitStatus::finished : ExitStatus::incomplete; }
 
-/// Prints the verified errors of a sweep to stderr, if it has a target accuracy; quiet: only if it is missed.
-/// @return whether the target is met, or there is none   @throws engine::RecordError
-bool say_verification(const std::string& name, const std::string& folder, bool quiet) {
-    const tasks::SweepVerification verification = tasks::sweep_verification(folder);
-    if (!(verification.target > 0.0)) return true;
-    if (!quiet || !verification.held())
-        print_error(fmt::format("{}: {}{}", name, verification.held() ? "" : "misses its target: ", verification.text()));
-    return verification.held();
-}
-
-/// Repeats some cases at reference accuracy, if the sweep has a target accuracy. @return whether it is met
-bool verified(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchReport& report, bool quiet) {
-    if (!(asked.accuracy.target > 0.0) || catch_interrupts().requested()) return true;
-    const auto say = [quiet](const std::string& what) { tools::say(quiet, what); };
-    std::vector<std::string> remarks;
-    try {
-        remarks = tasks::verify_sweep(asked, tuned, report.folder, catch_interrupts(), say);
-    } catch (const tasks::SimulationError&) {
-        if (!catch_interrupts().requested()) throw;
-        return true;
-    }
-    for (const std::string& remark : remarks) print_error("not verified: " + remark);
-    report.results_hash = tasks::read_facts(report.folder).text("results_hash");
-    return say_verification(asked.name, report.folder, quiet) && (remarks.empty() || tasks::sweep_verification(report.folder).verified > 0);
-}
-
 /// Runs a part of a sweep in a child process.
-ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, SweepOutput output) {
-    const tasks::Sweep& sweep = tuned.sweep;
+ExitStatus run_part(const tasks::Sweep& sweep, tasks::BatchOptions options, SweepOutput output) {
     const bool quiet = output.quiet;
     tasks::BatchReport report;
     const engine::Cancellation& interrupted = catch_interrupts();
@@ -131,11 +104,9 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
         report = tasks::run_batch(sweep, options);
     }
     if (options.part.only && !interrupted.requested()) return ExitStatus::finished;
-    const bool accurate = !report.finished || verified(asked, tuned, report, quiet);
     const ExitStatus status = !report.hopeless.empty()                      ? ExitStatus::incomplete
                               : !report.finished || interrupted.requested() ? ExitStatus::cancelled
-                              : accurate                                    ? status_of(report.tally)
-                                                                            : ExitStatus::inaccurate;
+                                                                            : status_of(report.tally);
     if (output.json) print_json(end_json(sweep, report, status));
     if (!quiet && !output.json) print_end(sweep, report, options);
     if (!quiet) print_notices();
@@ -143,25 +114,14 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
     return status;
 }
 
-/// Tunes a sweep in the parent process, once for all children.
-tasks::TunedSweep tuned_here(const tasks::Sweep& sweep, const std::string& folder, bool quiet) {
-    if (!(sweep.accuracy.target > 0.0)) return {sweep, {}, std::nullopt};
-    const auto say = [quiet](const std::string& what) { tools::say(quiet, what); };
-    tasks::TunedSweep tuned = tasks::tuned_sweep(sweep, folder, catch_interrupts(), say);
-    say(fmt::format("{}: {} for {:g} % (largest error at the corners: {:.2g} %){}", sweep.name, tuned.kept.choice.text(),
-                    100.0 * sweep.accuracy.target, 100.0 * tuned.kept.error,
-                    tuned.result ? fmt::format(", found in {}", clock_text(tuned.result->wall)) : ", from the cache"));
-    return tuned;
-}
-
 /// Runs the sweep or its part in child processes.
-ExitStatus run_supervised(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, SweepOutput output) {
+ExitStatus run_supervised(const tasks::Sweep& sweep, tasks::BatchOptions options, SweepOutput output) {
     engine::SharedSlots journal(options.threads);
     options.journal = &journal;
     const auto work = [&](const tasks::SweepPart& part) {
         tasks::BatchOptions here = options;
         here.part = part;
-        return finish_output(guarded([&] { return static_cast<int>(run_part(asked, tuned, here, output)); }));
+        return finish_output(guarded([&] { return static_cast<int>(run_part(sweep, here, output)); }));
     };
     return static_cast<ExitStatus>(tasks::supervise(journal, work, print_error));
 }
@@ -173,7 +133,7 @@ struct BatchArguments {
     tasks::BatchOptions options;
     std::optional<std::string> grace;  ///< an empty text is an error
     SweepOutput output;
-    bool dry = false;
+    bool dry = false, tuned = false;
 };
 
 /// @throws UsageError for an unknown status
@@ -251,7 +211,12 @@ ExitStatus batch(const BatchArguments& arguments) {
     if (arguments.grace) options.grace = seconds_of("--grace", *arguments.grace);
     if (arguments.dry) return dry_run(sweep, options.threads);
     if (arguments.options.folder.empty()) options.folder = default_place(sweep.path.stem().string());
-    return run_sweep(sweep, options, arguments.output);
+    if (arguments.tuned) return run_sweep(load_sweep(options.folder + "/tuned.toml"), options, arguments.output);
+    if (!(sweep.accuracy.target > 0.0)) return run_sweep(sweep, options, arguments.output);
+    std::vector<std::string> words{
+        "accuracy", "tune", sweep.path.string(), options.folder, std::to_string(options.threads), arguments.output.quiet ? "quiet" : ""};
+    words.insert(words.end(), given_words().begin(), given_words().end());
+    become_python(words);  // which tunes, and executes these words with --tuned
 }
 
 }  // namespace
@@ -284,16 +249,13 @@ nlohmann::ordered_json tally_json(const tasks::CaseTally& tally) {
     return {{"statuses", tally.statuses()}, {"failed", tally.failed()}, {"failures", failures}, {"notes", tally.notes()}};
 }
 
-ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, SweepOutput output) try {
+ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, SweepOutput output) {
     if (options.threads <= 0) options.threads = tasks::usable_threads();
-    const tasks::TunedSweep tuned = tuned_here(sweep, options.folder, output.quiet);
-    return run_supervised(sweep, tuned, options, output);
-} catch (const tasks::AccuracyError& error) {
-    print_error(error.what());
-    return ExitStatus::inaccurate;
-} catch (const tasks::SimulationError&) {  // tuning that was interrupted
-    if (catch_interrupts().requested()) return ExitStatus::cancelled;
-    throw;
+    const ExitStatus status = run_supervised(sweep, options, output);
+    const bool finished = status == ExitStatus::finished || status == ExitStatus::incomplete;
+    if (!finished || !std::filesystem::exists(options.folder + "/accuracy.json")) return status;
+    become_python(std::vector<std::string>{"accuracy", "verify", options.folder, std::to_string(static_cast<int>(status)),
+                                           output.quiet ? "quiet" : ""});  // some cases at reference quality
 }
 
 Action declare_batch(CLI::App& app) {
@@ -318,6 +280,7 @@ Action declare_batch(CLI::App& app) {
     declare_repeated(app, "--retry", arguments->options.retry,
                      "Repeat cases that ended with this status, e.g. budget; may be given several times", "STATUS");
     app.add_flag("--keep-going", arguments->options.keep_going, keep_going_meaning);
+    app.add_flag("--tuned", arguments->tuned)->group("");  // the sweep at the level that [accuracy] has chosen
     app.add_flag("-q,--quiet", arguments->output.quiet, "Print errors only");
     app.add_flag("--json", arguments->output.json,
                  "Print lines of JSON: at most every 10 s the progress (not with -q), at the end a summary with the exit status")

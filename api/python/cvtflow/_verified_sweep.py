@@ -1,0 +1,113 @@
+"""Sweeps with [accuracy]: tuned at the corners of their axes before they run; then some cases run again at reference quality.
+
+DIR/tuned.toml and tuned.scene.toml are the sweep at the chosen level; DIR/accuracy.json has the choice and the errors of the verified cases.
+"""
+
+import json
+import os
+import random
+from pathlib import Path
+
+from . import _rows, _tune, _tuning
+from ._errors import StateError
+from ._library import in_si
+from ._scene import Scene, flat, is_path
+
+
+def _absolute(value, folder):
+    """A value of a sweep file, whose paths of CSV files are relative to its folder."""
+    if isinstance(value, dict):
+        return {name: os.path.join(folder, each) if name == "csv" else _absolute(each, folder) for name, each in value.items()}
+    return [_absolute(each, folder) for each in value] if isinstance(value, list) else value
+
+
+def read(path):
+    """(the Scene of a sweep file with its [set], the file's other sections)"""
+    import tomllib
+
+    folder = os.path.dirname(os.path.abspath(path))
+    with open(path, "rb") as file:
+        sweep = _absolute(tomllib.load(file), folder)
+    head = sweep.pop("sweep")
+    beside = os.path.join(folder, head["scene"])
+    scene = Scene.read(beside) if os.path.isfile(beside) else Scene.read(head["scene"]) if is_path(head["scene"]) else Scene.ready(head["scene"])
+    if "detail" in head:
+        scene = scene.with_detail(head["detail"])
+    values = dict(flat(scene, sweep.pop("set", {})))
+    if values.get("start.state"):
+        values["start.state"] = os.path.join(folder, values["start.state"])
+    return scene.with_(values), sweep, head.get("name") or os.path.splitext(os.path.basename(path))[0]
+
+
+def _points(scene, sweep, only, say, threads):
+    """Points of some cases of a sweep."""
+    outputs = sweep["outputs"] | {"records": False}
+    scalars = [(text, number, None) for number, text in enumerate(outputs["scalars"])]
+    own = {section: values for section, values in sweep.items() if section not in ("accuracy", "budget")}
+    return _tune.Points(scene, own | {"outputs": outputs}, scalars, say=say, threads=threads, only=only)
+
+
+def tune(path, folder, threads=0, say=lambda text: None):
+    """Writes DIR/tuned.toml for a sweep file. Raises AccuracyError."""
+    scene, sweep, name = read(path)
+    target = sweep["accuracy"]["target"]
+    settings = _tune.Settings(accuracy=in_si(target, "target", "1"))
+    place = os.path.join(folder, "accuracy.json")
+    key = _tuning.key_of(scene, settings)
+    known, found = _kept(place), None
+    if (known.get("key"), known.get("sweep")) != (key, sweep):
+        if os.path.exists(os.path.join(folder, "sweep.json")):
+            raise StateError(f"{folder}: results of another sweep; use another folder (-o)")
+        with _points(scene, sweep, "corners", say, threads) as points:
+            row = _tune.taken(found := _tune.search(points, settings))
+            choice = _tune.choice_of(row)
+            state = points.state(choice)
+            os.makedirs(folder, exist_ok=True)
+            if state and state != scene["start.state"]:
+                _tuning.replace(os.path.join(folder, "tuned.h5"), Path(state).read_bytes())
+                state = os.path.abspath(os.path.join(folder, "tuned.h5"))
+        tuned = _tune.chosen(scene, choice, row["step"], state)
+        known = {"key": key, "name": name, "scene": scene.text, "sweep": sweep, "target": settings.accuracy, "choice": choice.text(),
+                 "at_corners": max(row["errors"]), "scalars": sweep["outputs"]["scalars"], "errors": {}}
+        _tuning.replace(os.path.join(folder, "tuned.scene.toml"), tuned.text.encode())
+        text = _tune.file_text({section: values for section, values in sweep.items() if section != "accuracy"}, scene="tuned.scene.toml", name=name)
+        _tuning.replace(os.path.join(folder, "tuned.toml"), text.encode())
+        _tuning.replace(place, json.dumps(known).encode())
+    origin = f", found in {found['wall']:.0f} s" if found else ", from the cache"
+    say(f"{name}: {known['choice']} for {100 * settings.accuracy:g} % (largest error at the corners: {100 * known['at_corners']:.2g} %){origin}")
+
+
+def _kept(place):
+    """What DIR/accuracy.json has; {}: it is absent or damaged."""
+    try:
+        with open(os.open(place, os.O_RDONLY | os.O_NONBLOCK), encoding="utf-8") as file:
+            return json.load(file)
+    except (OSError, ValueError):
+        return {}
+
+
+def verify(folder, threads=0, say=lambda text: None):
+    """Runs cases of a finished sweep again at reference quality, and adds their errors to DIR/accuracy.json. Returns a text and whether at most
+    one in twenty misses the target."""
+    place = os.path.join(folder, "accuracy.json")
+    known, rows = _kept(place), _rows.read(folder)
+    scene, sweep = Scene.parse(known["scene"]), known["sweep"]
+    accuracy = {"verify": 10, "seed": 0} | sweep["accuracy"]
+    cases = sorted(random.Random(accuracy["seed"]).sample(range(rows.size), min(rows.size, accuracy["verify"])))
+    cases = [case for case in cases if rows.cells["status"][case] == "ok" and str(case) not in known["errors"]]
+    if cases:
+        names = _tune.scalars_in(rows, len(known["scalars"]))
+        with _points(scene, sweep, cases, say, threads) as points:
+            references = points.references(_tune.CONVERGED * known["target"])
+        for case, (reference, *_, text) in zip(cases, references):
+            if reference:
+                known["errors"][str(case)] = points.errors(([rows.cells[name][case] for name in names], ""), reference)
+            else:
+                say(f"not verified: case {case}: {text}")
+        _tuning.replace(place, json.dumps(known).encode())
+    errors = list(known["errors"].values())
+    missed = sum(not max(each) <= known["target"] for each in errors)
+    worst = ", ".join(f"{name} {100 * max(each):.2g} %" for name, each in zip(known["scalars"], zip(*errors)))
+    held = 20 * missed <= len(errors) and bool(errors or not accuracy["verify"])
+    return (f"{known['name']}: {'' if held else 'misses its target: '}{len(errors)} case{'s' * (len(errors) != 1)} verified, {missed} beyond "
+            f"{100 * known['target']:g} %" + f"; at most: {worst}" * bool(errors)), held

@@ -1,0 +1,46 @@
+"""`cvtflow run --accuracy`: tunes, or takes a kept choice, and becomes the program's `run` with it. Other options are the program's."""
+
+from ._front import UsageError, become_program, interruptible, say
+from ._scenes import declare_scene, load
+from .tune import declare_tuning, settings_of
+
+DESCRIPTION = "Simulate a scene and record it"
+_PASSED = ("--output", "--checkpoint-every", "--checkpoint", "--until", "--threads", "--segments", "--seed")
+
+
+def declare(parser):
+    declare_scene(parser, settle=True)
+    declare_tuning(parser)
+    add = parser.add_argument
+    add("--cache", metavar="DIR", help="Folder that caches the choices of --accuracy (default: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow)")
+    add("-o", *_PASSED[:1], metavar="FILE", help="As of cvtflow run")
+    for option in _PASSED[1:]:
+        add(option, metavar="VALUE", help="As of cvtflow run")
+    for option in ("--method", "--step", "--tolerance"):
+        add(option, metavar="VALUE", help="Not with --accuracy, which chooses it")
+    add("--force", action="store_true", help="As of cvtflow run")
+    add("-q", "--quiet", action="store_true", help="Print errors only")
+
+
+def act(given):
+    from .. import _tuning
+
+    for option in ("method", "step", "tolerance", "detail"):
+        if getattr(given, option) is not None:
+            raise UsageError(f"--accuracy excludes --{option}, which it chooses")
+    with interruptible():
+        settings, scene = settings_of(given), load(given, quiet=given.quiet)
+        choice, step, error, state, wall = _tuning.tuned(scene, settings, given.cache or _tuning.usual_folder(),
+                                                           (lambda text: None) if given.quiet else say)
+    if not given.quiet:
+        say(f"{scene.name}: {choice.text()} for {given.accuracy} (largest error measured: {100 * error:.2g} %), "
+            + ("from the cache" if wall is None else f"found in {wall:.1f} s"))
+    level, *changes = choice.detail.split() or [""]
+    settings = [*given.settings, *changes, "run.step_control=fixed", *([] if state is None else [f"start.state={state}"])]
+    words = ["run", given.scene, "--method", choice.method, "--step", f"{step!r} s" if step else "auto", *(["--detail", level] if level else [])]
+    words += [word for setting in settings for word in ("--set", setting)]
+    for option in _PASSED:
+        if (value := getattr(given, option.strip("-").replace("-", "_"))) is not None:
+            words += [option, value]
+    words += ["--force"] * given.force + ["-q"] * given.quiet + ["--settle"] * (given.settle and state is None)
+    become_program(words)

@@ -1,0 +1,254 @@
+"""`cvtflow tune`: the cheapest detail, method and step for an accuracy."""
+
+import csv
+import io
+import json
+import math
+import os
+from pathlib import Path
+
+from ._columns import table
+from ._front import FORCE, UsageError, interruptible, matplotlib, require, say
+from ._output import Output, beside, inputs_of, marked_output, mark_of, report_written, with_marks
+from ._scenes import declare_scene, load
+
+DESCRIPTION = "Find the cheapest detail, method and step for a target accuracy, by measuring"
+FOOTER = """
+Tries levels of detail (cvtflow list detail) at the automatic step, a half and a quarter of it, cheapest first. Operating points: the scene's
+start, and the lowest and highest value of every table over time. Reference: the finest level at a quarter of its step or less. Chooses the first
+variant whose errors times 2 (4 where there is one point) meet the accuracy at every point; unreliable variants are never chosen. front: no other
+variant is both cheaper and more accurate. Exit status 7: no variant meets the accuracy, or more than one in twenty points of --verify misses
+it; 4: the budget was used up before one did.
+"""
+_SHOWN_UNTRIED, _LONGEST = 3, 160
+
+
+def declare_tuning(parser):
+    """Options of tune and run."""
+    add = parser.add_argument
+    add("--accuracy", metavar="SHARE", required=True, help='Target: largest error of the outputs, e.g. "1 %%"'.replace("%%", "%"))
+    add("--outputs", metavar="LIST", default="",
+        help='Outputs whose error counts, separated by commas: slip, efficiency, losses, tight_tension, slack_tension, tips, ratio, '
+             'thrust_ratio, or as in a sweep, "slip median" (default: slip, efficiency, tight_tension, tips)')
+    add("--methods", metavar="LIST", default="",
+        help="Methods to choose from, separated by commas: METHOD or METHOD@STEP, such as rk4@45ns (default: auto)")
+    add("--budget", metavar="TIME", help='Wall time of the search, references included, e.g. "2 min"')
+    add("--settling", metavar="TIME", help="Simulated time before the averages begin (default: 20 ms)")
+    add("--average", metavar="TIME", help="Simulated time that the averages cover (default: 16 ms)")
+
+
+def declare(parser):
+    declare_scene(parser)
+    declare_tuning(parser)
+    add = parser.add_argument
+    add("--verify", metavar="N", type=int, default=0, help="Measure the choice at N further operating points that tuning did not use")
+    add("--levels", metavar="LIST", default="",
+        help='Levels of detail to choose from, separated by commas: LEVEL, or LEVEL KEY=VALUE such as "full detail.plates=lumped" (default: all, '
+             "and the scene's)")
+    add("--all", action="store_true", help="Measure every choice at every point: the whole table of cost and error")
+    add("--write", metavar="FILE", help="Scene to write, with a picture beside it, and a state if the detail requires one (default: "
+                                        "SCENE.tuned.toml, replaced with a notice)")
+    add("--force", action="store_true", help=FORCE)
+    add("-o", "--output", metavar="DIR", help="Folder for tables and pictures (default: none; results with --csv, --json or --svg)")
+    for kind, what in (("csv", "tables"), ("json", "all results as JSON, with provenance"),
+                       ("svg", "pictures (default with -o: --csv, --json and --svg)")):
+        add(f"--{kind}", action="store_true", help=f"Write {what}")
+    add("-q", "--quiet", action="store_true", help="Print no progress")
+
+
+def settings_of(given):
+    """The Settings that a command line states. Raises UsageError."""
+    from .. import _tune, quantity
+
+    def number(option, unit, usual, expected, most=math.inf):
+        text = getattr(given, option)
+        try:
+            value = usual if text is None else quantity(text, unit)
+        except ValueError:
+            value = math.nan
+        if not (text is None or 0.0 < value <= most):
+            raise UsageError(f"--{option} {text}: expected {expected}")
+        return value
+
+    def names(text):
+        return tuple(filter(None, (name.strip() for name in text.split(","))))
+
+    usual, of_time = _tune.Settings(), 'a time such as "30 s" or "10 min"'
+    return usual._replace(accuracy=number("accuracy", "1", None, 'a share above 0 and up to 50 %, such as "1 %"', 0.5),
+                          outputs=names(given.outputs), methods=names(given.methods), levels=names(getattr(given, "levels", "")),
+                          budget=number("budget", "s", 0.0, of_time), settling=number("settling", "s", usual.settling, of_time),
+                          average=number("average", "s", usual.average, of_time), all=getattr(given, "all", False))
+
+
+def _field(name, text):
+    return f"  {name:<20}{text}\n"
+
+
+def _cell(row, name):
+    value = row[name]
+    return ["", "0", "1"][1 + value] if isinstance(value, bool) else f"{value:.6g}" if isinstance(value, float) else value
+
+
+def _csv(found):
+    names = ["detail", "method", "share", "step", "seconds_per_second", "work_per_second", "errors", "worst", "front", "standing"]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*names[:3], "step_s", *names[4:6], *(f"error {name}" for name in found["outputs"]), *names[7:]])
+    for row in found["choices"]:
+        errors = [f"{error:.6g}" for error in row["errors"]] or [""] * len(found["outputs"])
+        writer.writerow([*(_cell(row, name) for name in names[:6]), *errors, *(_cell(row, name) for name in names[7:])])
+    return text.getvalue()
+
+
+def _step(row):
+    auto = "auto" if row["share"] == 1.0 else f"auto/{1.0 / row['share']:g}"
+    return f"{1e6 * row['step']:.4g} us" if row["step"] else auto
+
+
+def _text(found):
+    from .. import _tune
+
+    shown, untried = [], 0
+    for row in found["choices"]:
+        untried += not row["tried"]
+        if row["tried"] or untried <= _SHOWN_UNTRIED:
+            errors = [f"{100 * error:.2g}" if math.isfinite(error) else "-" for error in row["errors"]] or [""] * len(found["outputs"])
+            shown.append([row["detail"] or "own", row["method"], _step(row), f"{row['seconds_per_second']:.3g}", *errors, "*" * row["front"],
+                          row["standing"]])
+    points, count = len(found["points"]), len(found["outputs"])
+    headings = ["detail", "method", "step", "s/s", *(f"{name} %" for name in found["outputs"]), "front", "standing"]
+    text = f"{found['scene']}: accuracy {100 * found['accuracy']:g} %, at {points} operating point{'s' * (points != 1)}\n"
+    text += table(headings, shown, [True, True, False, False, *[False] * count, True, True], 2)
+    if untried > _SHOWN_UNTRIED:
+        text += f"  … and {untried - _SHOWN_UNTRIED} untried ones (--csv, --json)\n"
+    for heading, lines in (("against", map(": ".join, zip(found["points"], found["references"]))), ("left out", found["left_out"])):
+        for number, line in enumerate(lines):
+            text += _field(heading * (number == 0), line.split("\n")[0][:_LONGEST * 2])
+    row = found["choices"][found["chosen"]] if found["chosen"] is not None else None
+    text += _field("chosen", f"{_tune.choice_of(row).text()}: {row['seconds_per_second']:.3g} s/s, errors times {found['margin']:g} within the "
+                             "target" if row else "none: " + _tune.why_none(found))
+    return text + (_field("one more digit", found["next_digit"]) if row else "") + _field("took", f"{found['wall']:.1f} s")
+
+
+def _unseen(points, settings, found):
+    """Errors of the chosen one at points that were not used. Fills found["unseen"]; returns the text."""
+    from .. import _tune
+
+    row, text = found["choices"][found["chosen"]], ""
+    references = points.references(_tune.CONVERGED * settings.accuracy)
+    for name, reference, is_ in zip(points.names, references, points.run(_tune.choice_of(row), row["step"])):
+        errors = points.errors(is_, reference[0]) if reference[0] else []
+        found["unseen"].append({"point": name, "errors": errors, "remark": is_[1] if errors else reference[3]})
+        worst = f"largest error {100 * max(errors):.2g} %" if errors else "no reference"
+        text += _field("unseen", f"{name}: {worst}" + f" ({found['unseen'][-1]['remark']})" * bool(found["unseen"][-1]["remark"]))
+    return text
+
+
+def _picture(found):
+    """An SVG; None where Python lacks a library or nothing has an error: the search took minutes, and its numbers are there."""
+    try:
+        require("a picture", "numpy", "matplotlib")
+        matplotlib()
+        from .. import _figures, plots
+
+        _figures.in_notebooks = False
+        return _figures.picture(plots.choices(found), "svg", mark_of("picture", found["scene"]))
+    except (ImportError, ValueError) as missing:
+        say(f"no picture: {missing}")
+        return None
+
+
+def _outputs(given, scene):
+    """Permissions for FILE, and a picture and a state beside it."""
+    from .. import _scene
+
+    file = given.write or f"{os.path.basename(given.scene).removesuffix('.toml')}.tuned.toml"
+    if not file.endswith(".toml"):
+        raise UsageError(f"--write {file}: expected FILE.toml")
+    inputs = [*inputs_of([given.scene if _scene.is_path(given.scene) else ""]), scene["start.state"]]
+    marks = with_marks(f"# {scene.name} for an accuracy of ", "# Made by cvtflow")
+    made = Output(file, f"scene that cvtflow tuned from '{scene.name}'", marks, inputs, given.force, named=bool(given.write))
+    picture = marked_output("picture", scene.name, beside(file, ".svg"), inputs, given.force)
+    state = Output(beside(file, ".h5"), f"state of the scene '{scene.name}'", state_of(scene.name), inputs, given.force)
+    if made.notice and not given.quiet:
+        say(made.notice)
+    return made, picture, state
+
+
+def state_of(name):
+    """Whether a file is a state of a scene of that name."""
+    def own(path):
+        import h5py
+
+        try:
+            with h5py.File(path, "r", locking=False) as file:
+                return file.attrs.get("scene") in (name, name.encode()) and "channels" not in file
+        except OSError:
+            return False
+
+    return own
+
+
+def _scene_text(found, scene, row, state):
+    """The chosen scene as a file with every key; what was measured and how, in comments."""
+    from .. import _tune
+
+    choice, build = _tune.choice_of(row), found["provenance"]
+    lines = [f"{found['scene']} for an accuracy of {100 * found['accuracy']:g} %: {choice.text()}.",
+             f"Made by cvtflow {build['version']} ({build['commit']}).", "",
+             f"Largest errors at the operating points below; {found['margin']:g} times them are within the target:"]
+    lines += [f"  {name:<20} {100 * error:.2g} %" for name, error in zip(found["outputs"], row["errors"])]
+    lines += [f"{row['seconds_per_second']:.3g} s of processor time per simulated second. Measured against:"]
+    lines += [f"  {name}: {text}" for name, text in zip(found["points"], found["references"])]
+    lines += ["  not checked: " + line.split("\n")[0] for line in found["left_out"]]
+    return "".join(f"# {line}".rstrip() + "\n" for line in lines) + "\n" + _tune.chosen(scene, choice, row["step"], state).text
+
+
+def act(given):
+    from .. import _tune
+
+    tell = (lambda text: None) if given.quiet else say
+    with interruptible():
+        settings, scene = settings_of(given), load(given, quiet=given.quiet)
+        files = _outputs(given, scene)
+        with _tune.points_of(scene, settings, say=tell) as points:
+            found = _tune.search(points, settings)
+            print(_text(found), end="", flush=True)
+            row = found["choices"][found["chosen"]] if found["chosen"] is not None else None
+            if row and given.verify:
+                with _tune.points_of(scene, settings, given.verify, tell) as unseen:
+                    print(_unseen(unseen, settings, found), end="", flush=True)
+            kinds = [kind for kind in ("csv", "json", "svg") if getattr(given, kind)] or ["csv", "json", "svg"] * bool(given.output)
+            picture = _picture(found) if row or kinds else None
+            if row:
+                _write(files, points, found, scene, row, picture)
+        _write_tables(given.output or "results", kinds, found, picture)
+    if not row:
+        return 4 if found["budget_used_up_by"] else 7
+    judged = [max(each["errors"]) for each in found["unseen"] if each["errors"]]
+    return 7 if 20 * sum(not error <= settings.accuracy for error in judged) > len(judged) else 0
+
+
+def _write(files, points, found, scene, row, picture):
+    """Writes the tuned scene, and beside it a picture, and a state where it begins with one of its own."""
+    from .. import _tune
+
+    scene_file, picture_file, state_file = files
+    state = points.state(_tune.choice_of(row))
+    if own := bool(state) and state != scene["start.state"]:
+        state_file.write(Path(state).read_bytes())
+        state = os.path.abspath(state_file.path)
+    scene_file.write(_scene_text(found, scene, row, state).encode())
+    if picture:
+        picture_file.write(picture)
+    report_written(", ".join([scene_file.path] + [picture_file.path] * bool(picture) + [state_file.path] * own))
+
+
+def _write_tables(folder, kinds, found, picture):
+    whole = json.loads(json.dumps(found), parse_constant=lambda _: None)
+    for kind, data in (("csv", _csv(found).encode()), ("json", (json.dumps(whole, indent=1) + "\n").encode()), ("svg", picture)):
+        if kind in kinds and data:
+            os.makedirs(folder, exist_ok=True)
+            path = os.path.join(folder, f"tune_{found['scene']}.{kind}")
+            Output(path, "table of cvtflow tune", lambda _: True).write(data)
+            report_written(path)
