@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
-#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -25,7 +24,6 @@
 #include "tools/program/output.hpp"
 #include "tools/program/progress.hpp"
 #include "tools/program/text/report_columns.hpp"
-#include "tools/program/view/recorded_run.hpp"
 
 namespace cvtflow::tools {
 namespace {
@@ -33,22 +31,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr double none = std::numeric_limits<double>::quiet_NaN(), endless = std::numeric_limits<double>::infinity();
-
-TEST(FiniteFigures, LeaveOutWhatIsUndefined) {
-    const FiniteFigures figures(std::vector{none, 3.0, 1.0, endless, 2.0, none});
-    EXPECT_EQ(figures.mean, 2.0);
-    EXPECT_EQ(figures.least, 1.0);
-    EXPECT_EQ(figures.largest, 3.0);
-}
-
-TEST(FiniteFigures, AreUndefinedWhereNothingIsFinite) {
-    for (const std::vector<double>& numbers : {std::vector<double>{}, {none, none}, {endless}}) {
-        const FiniteFigures figures(numbers);
-        EXPECT_TRUE(std::isnan(figures.mean) && std::isnan(figures.least) && std::isnan(figures.largest)) << numbers.size();
-    }
-}
 
 TEST(CsvCell, IsNoFormulaAndReadsBack) {
     EXPECT_EQ(tasks::csv_cell("=cmd|' /C calc'!A1", true), "'=cmd|' /C calc'!A1");

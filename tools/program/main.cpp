@@ -29,7 +29,7 @@ constexpr std::array commands{
     Command{"info", record, "Show the contents of a record, a state file or a sweep's table", declare_info},
     Command{"plot", record, "Draw records or a sweep: curves, orders, losses, maps; SVG, PNG or CSV", in_python},
     Command{"report", record, "Write a self-contained HTML page of records or a sweep: curves, the running chain, tables", in_python},
-    Command{"export", record, "Write a record for other programs: channels as CSV, pins and plates for ParaView", declare_export},
+    Command{"export", record, "Write a record for other programs: channels as CSV, pins and plates for ParaView", in_python},
     Command{"export-fmu", record, "Write a scene as an FMU for other simulators (FMI 2.0 or 3.0)", in_python},
     Command{"list", reference, "List methods, levels of detail, channels, notes, scenes, sweeps, executors, keys or units", declare_list},
     Command{"explain", reference, "Explain keys of scenes and sweeps: meaning, unit, range, default, source", declare_explain},

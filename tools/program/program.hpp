@@ -45,7 +45,6 @@ Action declare_batch(CLI::App& app);
 Action declare_settle(CLI::App& app);
 Action declare_check(CLI::App& app);
 Action declare_info(CLI::App& app);
-Action declare_export(CLI::App& app);
 Action declare_list(CLI::App& app);
 Action declare_explain(CLI::App& app);
 Action declare_schema(CLI::App& app);

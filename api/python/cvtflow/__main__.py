@@ -9,7 +9,7 @@ import os
 import sys
 
 COMMANDS = {"table": "table", "diff": "diff", "plot": "plot", "report": "report", "export-fmu": "export_fmu", "reduce": "reduce",
-            "clamp": "clamp", "fit": "fit", "tune": "tune"}  # module of commands/ by name
+            "clamp": "clamp", "fit": "fit", "tune": "tune", "export": "export"}  # module of commands/ by name
 
 
 def _load_package():

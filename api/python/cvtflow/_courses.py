@@ -106,19 +106,21 @@ def sampling(record):
     return "outputs are means over their interval" if means else how and how + ": curves are samples"
 
 
-def find(record, word):
-    """Names of what a word means: a channel, or its parts; a group; one number of a channel. Raises Misuse with the closest name."""
+def find(record, word, parts=None):
+    """Names of what a word means: a channel, or its parts; a group; one number of a channel. Raises Misuse with the closest name. parts: names of
+    the parts of a channel by its name and width, None: those of curves"""
+    parts = parts or _parts
     channel, element = split(word)
     if channel in record.info:
         width = record.info[channel].width
         if element is not None and element >= width:
             raise _known.UnknownName(f"{word}: {channel} has {width} elements, numbered from 0")
-        return [word] if element is not None or width == 1 else _parts(channel, width)
+        return [word] if element is not None or width == 1 else parts(channel, width)
     if word.endswith("]"):
         if element is None:
             raise _known.Misuse(f"{word}: the element number is not valid")
         word = channel
-    group = [part for name, column in record.info.items() if name.startswith(word + "/") for part in _parts(name, column.width)]
+    group = [part for name, column in record.info.items() if name.startswith(word + "/") for part in parts(name, column.width)]
     if group and element is None:
         return group
     raise _known.UnknownName(f"{word}: {missing(record, word)}")

@@ -26,7 +26,7 @@ class Motion:
         chosen, kept = [k * self.recorded // count for k in range(count)], []
         states, phases = [], []
         for number in chosen:
-            state, phase = self._state(record, number)
+            state, phase = machine_state(record, number, self.pins, self.pins * self._block())
             if np.isfinite(state).all() and np.isfinite(all_times[number]):  # a run that diverged has no chain to show
                 kept.append(number)
                 states.append(state[:self.pins * self._block()])
@@ -34,16 +34,6 @@ class Motion:
         self.times = all_times[kept]
         if kept:
             self._place(record, np.array(states), np.array(phases))
-
-    def _state(self, record, number):
-        """Unknowns and phases of a state, which are compared with the machine, because the file may be forged."""
-        try:
-            state, phase = record.states[number], record._file.phases(number)
-            if len(phase) == _TIPS * self.pins and len(state) >= self.pins * self._block() and phase.max(initial=0) <= 3:
-                return state, phase
-        except (KeyError, IndexError, ValueError):  # arrays that are absent or shorter
-            pass
-        raise ValueError(f"{record.path}: state {number} does not match its machine")
 
     def _block(self):
         """Unknowns of a link or a rigid pin: coordinates, then velocities."""
@@ -84,6 +74,17 @@ class Motion:
         name = next((name for name, column in record.info.items()
                      if column.unit == "N" and column.width == width and name.startswith(group)), "")
         return np.array([record.read(name, row, 1)[0] for row in rows]) if name else None
+
+
+def machine_state(record, number, pins, size):
+    """Unknowns and phases of a state, which are compared with the machine. size: number of unknowns at least. Raises ValueError."""
+    try:
+        state, phase = record.states[number], record._file.phases(number)
+        if len(phase) == _TIPS * pins and len(state) >= size and phase.max(initial=0) <= 3:
+            return state, phase
+    except (KeyError, IndexError, ValueError):  # arrays that are absent or shorter
+        pass
+    raise ValueError(f"{record.path}: state {number} does not match its machine")
 
 
 def _by_pin(tips):

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 
 #include "engine/base/hash.hpp"
@@ -17,16 +18,17 @@
 #include "tools/program/program.hpp"
 #include "tools/program/text/scene_text.hpp"
 #include "tools/program/text/text.hpp"
-#include "tools/program/view/recorded_run.hpp"
 
 namespace cvtflow::tools {
 
 namespace {
 
 std::string last_text(const std::vector<double>& last) {
-    const FiniteFigures figures(last);
-    if (std::isnan(figures.mean)) return last.empty() ? "" : "undefined";
-    return last.size() == 1 ? fmt::format("{:.6g}", last.front()) : fmt::format("{:.6g} ... {:.6g}", figures.least, figures.largest);
+    std::vector<double> finite;
+    std::ranges::copy_if(last, std::back_inserter(finite), [](double number) { return std::isfinite(number); });
+    if (finite.empty()) return last.empty() ? "" : "undefined";
+    const auto [least, largest] = std::ranges::minmax(finite);
+    return last.size() == 1 ? fmt::format("{:.6g}", least) : fmt::format("{:.6g} ... {:.6g}", least, largest);
 }
 
 std::string channels_text(const engine::RunReader& run) {
