@@ -180,10 +180,13 @@ def state_of(name):
     def own(path):
         import h5py
 
+        from .. import Scene
+
         try:
             with h5py.File(path, "r", locking=False) as file:
-                return file.attrs.get("scene") in (name, name.encode()) and "channels" not in file
-        except OSError:
+                text = file.attrs["scene"]
+                return Scene.parse(text.decode() if isinstance(text, bytes) else text).name == name and "channels" not in file
+        except (OSError, KeyError, ValueError):
             return False
 
     return own
