@@ -297,7 +297,8 @@ class Settings(NamedTuple):
 def _bases(points, settings, left_out):
     """A choice with what probe() measured of every level with every method that it takes."""
     known = [row["name"] for row in described("levels")["rows"]]
-    own = [] if any(points.scene == points.scene.with_detail(level) for level in known) else [""]  # the scene's detail has no name
+    scene = points.scene.with_({"run.method": "auto", "run.step": "auto", "run.step_control": "fixed"})
+    own = [] if any(scene == scene.with_detail(level) for level in known) else [""]  # the scene's detail has no name
     bases = {}
     for level in settings.levels or known + own:
         for given in settings.methods or ["auto"]:

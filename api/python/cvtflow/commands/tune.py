@@ -8,8 +8,8 @@ import os
 from pathlib import Path
 
 from ._columns import table
-from ._front import FORCE, UsageError, interruptible, matplotlib, require, say
-from ._output import Output, beside, inputs_of, marked_output, mark_of, report_written, with_marks
+from ._front import FORCE, UsageError, interruptible, matplotlib, require, say, visible
+from ._output import Output, beside, inputs_of, marked_output, mark_of, with_marks
 from ._scenes import declare_scene, load
 
 DESCRIPTION = "Find the cheapest detail, method and step for a target accuracy, by measuring"
@@ -244,14 +244,16 @@ def _write(files, points, found, scene, row, picture):
     scene_file.write(_scene_text(found, scene, row, state).encode())
     if picture:
         picture_file.write(picture)
-    report_written(", ".join([scene_file.path] + [picture_file.path] * bool(picture) + [state_file.path] * own))
+    written = ", ".join([scene_file.path] + [picture_file.path] * bool(picture) + [state_file.path] * own)
+    print(_field("written", visible(written)), end="")
 
 
 def _write_tables(folder, kinds, found, picture):
-    whole = json.loads(json.dumps(found), parse_constant=lambda _: None)
+    whole, written = json.loads(json.dumps(found), parse_constant=lambda _: None), []
     for kind, data in (("csv", _csv(found).encode()), ("json", (json.dumps(whole, indent=1) + "\n").encode()), ("svg", picture)):
         if kind in kinds and data:
             os.makedirs(folder, exist_ok=True)
             path = os.path.join(folder, f"tune_{found['scene']}.{kind}")
             Output(path, "table of cvtflow tune", lambda _: True).write(data)
-            report_written(path)
+            written.append(path)
+    print(_field("written", visible(", ".join(written))) if written else "", end="")
