@@ -37,9 +37,8 @@ struct Recording final : public tasks::RunObserver {
 
     [[nodiscard]] static tasks::RunOptions writing(const std::string& path, const tasks::Scene& scene, bool replace) {
         tasks::RunOptions made;
-        made.file = {
-            path,
-            {.inputs = input_files(scene), .force = replace, .named = true, .advice = "remove it, name another file, or replace = true"}};
+        made.file = {path, engine::any_file(replace), "remove it, name another file, or replace = true"};
+        engine::require_place(made.file, input_files(scene));
         return made;
     }
 

@@ -50,7 +50,7 @@ def _draw(file, plots):
             style |= ({"markerfacecolor": "none"} if each.get("mark") == "ring" else {}) | ({"color": each["colour"]} if each.get("colour") else {})
             points = (np.array(values, dtype=float) for values in zip(*each["points"])) if each["points"] else (np.empty(0), np.empty(0))
             panels[-1].lines.append(_figures.Line(each["name"], *points, style, each.get("sets_ends", True)))
-    pathlib.Path(file).write_bytes(_figures.picture(_figures.draw(panels, plots[0].get("subtitle", "")), pathlib.Path(file).suffix[1:], ""))
+    pathlib.Path(file).write_bytes(_figures.picture(_figures.draw(panels, plots[0].get("subtitle", "")), pathlib.Path(file).suffix[1:]))
 
 
 if __name__ == "__main__":

@@ -82,23 +82,22 @@ class Files:
 
     def __init__(self, output):
         self._kinds, self._written = [kind for kind in ("csv", "json", "svg") if output[kind]], []
-        self._folder = output["folder"] or "results"
+        self._folder, self._named = output["folder"] or "results", bool(output["folder"])
         self._wanted = self._kinds or (["csv", "json", "svg"] if output["folder"] else [])
 
-    def _write(self, name, data, mark, what):
+    def _write(self, name, data):
         path = os.path.join(self._folder, name)
         os.makedirs(self._folder, exist_ok=True)
         try:
-            _output.Output(path, what, _output.with_marks(mark), devices=True).write(data)
+            _output.Output(path, named=self._named).write(data)
         except _output.OutputError as error:
             raise _output.OutputError(str(error).replace("--force replaces it", "remove it, or name another folder")) from None
         self._written.append(path)
 
     def write(self, name, text):
-        """Writes a table or results, over a file with the same heading."""
+        """Writes a table or results."""
         if name.rpartition(".")[2] in self._wanted:
-            heading = text[:text.index("\n", 2 if text.startswith("{\n") else 0)]
-            self._write(name, text.encode(errors="surrogateescape"), heading[:1024], "file with the same heading")
+            self._write(name, text.encode(errors="surrogateescape"))
 
     def json(self, name, results):
         """Writes results as indented JSON, numbers that are not finite as null."""
@@ -125,8 +124,7 @@ class Files:
                 made[-1].lines.append(_figures.Line(label, across, up, look))
             made[-1].regions = [(*look, np.array(across), np.array(up), np.array([[each == "1" for each in row] for row in inside]))
                                 for *look, across, up, inside in made[-1].regions]
-        mark = _output.mark_of("picture", name)
-        self._write(name, _figures.picture(_figures.draw(made, heading), "svg", mark), mark, f"picture that cvtflow made of '{name}'")
+        self._write(name, _figures.picture(_figures.draw(made, heading), "svg"))
 
     def report(self, before=""):
         """Prints which files are written, and which requested kinds the command does not have."""

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "engine/executor/tbb/job_pool.hpp"
-#include "engine/record/run/output_rule.hpp"
+#include "engine/record/run/part_file.hpp"
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/batch/results/sweep_files.hpp"
 #include "tasks/batch/shared_work.hpp"

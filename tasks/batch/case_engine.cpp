@@ -154,7 +154,7 @@ void CaseEngine::begin(const ContinuedStart& from) {
         at_->simulation.hold(held);
     }
     if (!sweep_.records || own_start_) return;
-    record_options_.file = permit_record(case_file(places_.records, "case", result_.number), scene_);
+    record_options_.file = case_record(case_file(places_.records, "case", result_.number), scene_);
     recorder_ = std::make_unique<RunRecorder>(scene_, at_->simulation, record_options_);
 }
 

@@ -138,7 +138,8 @@ void StrandEnds::keep(long number, const Scene& scene, Simulation& simulation, c
     ends_[number] = saved;
     try {
         std::filesystem::create_directories(folder_);
-        engine::write_state(permit_state(file(number), sweep_), *saved, false);  // a strand without a readable end begins anew
+        engine::write_state({file(number), engine::is_state_file, remove_by_hand}, *saved,
+                            false);  // a strand without a readable end begins anew
     } catch (const engine::RecordError&) {
         if (!exists(number)) throw;  // another process has written the same bits
     }

@@ -11,7 +11,6 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/simulation.hpp"
@@ -150,10 +149,9 @@ struct FieldReader {
 
 /// Texts of a checkpoint, which are attributes of its file.
 constexpr std::pair<const char*, std::string Checkpoint::*> texts[] = {
-    {"scene", &Checkpoint::scene},          {"scene_name", &Checkpoint::name},   {"scene_path", &Checkpoint::path},
-    {"scene_text", &Checkpoint::text},      {"record", &Checkpoint::record},     {"run", &Checkpoint::run},
-    {"program", &Checkpoint::program},      {"replaces", &Checkpoint::replaces}, {"method_hash", &Checkpoint::method_hash},
-    {"slope_hash", &Checkpoint::slope_hash}};
+    {"scene", &Checkpoint::scene},     {"scene_name", &Checkpoint::name},         {"scene_path", &Checkpoint::path},
+    {"scene_text", &Checkpoint::text}, {"record", &Checkpoint::record},           {"run", &Checkpoint::run},
+    {"program", &Checkpoint::program}, {"method_hash", &Checkpoint::method_hash}, {"slope_hash", &Checkpoint::slope_hash}};
 
 }  // namespace
 
@@ -176,10 +174,10 @@ void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& var
 }
 
 void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
-    write_checkpoint(engine::Permit(path, {.what = "checkpoint", .own = engine::is_state_file}), checkpoint);
+    write_checkpoint(engine::OutputFile(path, engine::is_state_file), checkpoint);
 }
 
-void write_checkpoint(const engine::Permit& permit, const Checkpoint& c) {
+void write_checkpoint(const engine::OutputFile& file, const Checkpoint& c) {
     engine::SavedState saved;
     saved.time = c.integration.time;
     saved.state = c.integration.state;
@@ -191,7 +189,7 @@ void write_checkpoint(const engine::Permit& permit, const Checkpoint& c) {
     saved.more = {{"history", std::move(history.scalars)}, {"recorder", c.recorder}};
     visit_fields(c.integration, fields);
     saved.more.push_back({integration_scalars, std::move(fields.scalars)});
-    engine::write_state(permit, saved);
+    engine::write_state(file, saved);
 }
 
 namespace {
@@ -220,17 +218,6 @@ Checkpoint read_checkpoint(const std::string& path) {
     } catch (const std::domain_error& error) {
         throw engine::RecordError(fmt::format("{}: damaged checkpoint: {}", path, error.what()));
     }
-}
-
-std::string run_of_record(const std::string& file) {
-    const engine::RunReader reader(file);
-    const auto* identity = engine::attribute_value<std::string>(reader.attributes(), "run");
-    return identity != nullptr ? *identity : "";
-}
-
-bool is_record_of(const Checkpoint& checkpoint, const std::string& file) {
-    const std::string identity = run_of_record(file);
-    return !identity.empty() && identity == checkpoint.run;
 }
 
 Scene scene_of(const Checkpoint& checkpoint) {

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "engine/record/run/output_rule.hpp"
+#include "engine/record/run/part_file.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/step/integration_state.hpp"
 
@@ -41,7 +41,6 @@ struct Checkpoint {
     std::string text;         ///< contents of the scene's file
     std::string record;       ///< absolute path of the run's record; empty: none. A hint for people: it decides about no file
     std::string run;          ///< identity of the run, which its record holds as well; empty: it has no record
-    std::string replaces;     ///< identity of the run whose finished record this run was permitted to replace; empty: none
     std::string program;      ///< version, commit and compiler that wrote it
     std::string method_hash;  ///< hash of the method's coefficients
     std::string slope_hash;   ///< hash of the right-hand side at the state, which depends on the model and its rounding
@@ -54,15 +53,11 @@ struct Checkpoint {
 void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator);
 
 /// @throws engine::RecordError as write_state and read_state; also a state file that is no checkpoint
-void write_checkpoint(const engine::Permit& permit, const Checkpoint& checkpoint);
+void write_checkpoint(const engine::OutputFile& file, const Checkpoint& checkpoint);
 /// The same, replacing nothing but a checkpoint or state.
 void write_checkpoint(const std::string& path, const Checkpoint& checkpoint);
 /// Reads a checkpoint, also one whose fingerprint is not of the scene, method and model that it contains.
 [[nodiscard]] Checkpoint read_checkpoint(const std::string& path);
-/// Whether the file is the record, finished or not, of the run that the checkpoint belongs to. @throws engine::RecordError as RunReader
-[[nodiscard]] bool is_record_of(const Checkpoint& checkpoint, const std::string& file);
-/// Identity of the run that a record is of; empty: none. @throws engine::RecordError as RunReader
-[[nodiscard]] std::string run_of_record(const std::string& file);
 /// Deletes a checkpoint and what a killed writer left of it.
 void remove_checkpoint(const std::string& path);
 

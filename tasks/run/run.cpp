@@ -41,9 +41,8 @@ public:
         Checkpoint checkpoint;
         checkpoint.integration = simulation_.integration_state();
         checkpoint.history = history_;
-        if (!options_.file.empty()) checkpoint.record = std::filesystem::absolute(options_.file.path()).string();
+        if (!options_.file.empty()) checkpoint.record = std::filesystem::absolute(options_.file.path).string();
         checkpoint.run = recorder_.run();
-        checkpoint.replaces = options_.replaces;
         checkpoint.recorder = recorder_.position();
         sign(checkpoint, scene_, simulation_.workspace().variator);
         write_checkpoint(options_.checkpoint, checkpoint);
@@ -139,7 +138,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     return report;
 }
 
-double settle_scene(const Scene& scene, const engine::Permit& state_file, const RunOptions& options) {
+double settle_scene(const Scene& scene, const engine::OutputFile& state_file, const RunOptions& options) {
     Scene unsettled = scene;
     unsettled.state_file.clear();
     const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;

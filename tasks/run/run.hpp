@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/record/run/output_rule.hpp"
+#include "engine/record/run/part_file.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/run_means.hpp"
 #include "tasks/run/simulation.hpp"
@@ -85,15 +85,13 @@ struct Progress {
 };
 
 struct RunOptions {
-    engine::Permit file;                            ///< record to write; empty: none. A text permits a new file
+    engine::OutputFile file;                        ///< record to write; empty: none. With `from`, the one to continue
     std::function<void(const Progress&)> progress;  ///< called at every output time, serially
     const engine::Cancellation* cancel = nullptr;
     std::string checkpoint;                          ///< file to write checkpoints to; empty: none
     double checkpoint_every = 0.0;                   ///< wall time between checkpoints, at output times; 0: only if the run ends early [s]
     std::function<void(const std::string&)> notice;  ///< receives warnings before the run begins
-    const Checkpoint* from = nullptr;                ///< checkpoint to resume; `file` is then the record to continue (record_to_continue)
-    bool replace = false;                            ///< replaces, with `from`, a file of that name that is not of the run
-    std::string replaces;                            ///< identity of the run whose record `file` replaces; empty: none
+    const Checkpoint* from = nullptr;                ///< checkpoint to resume
     bool mixed = false;                              ///< accepts, with `from`, a checkpoint of another version of the program
 };
 
@@ -114,6 +112,6 @@ public:
 /// Settles a scene's geometric start and writes the state at t = 0.
 /// @return EnergyLedger::balance_error_ratio(): above 1 the state is wrong; also stored in the file
 /// @throws as run_scene; SettlingFault, and then writes nothing
-double settle_scene(const Scene& scene, const engine::Permit& state_file, const RunOptions& options);
+double settle_scene(const Scene& scene, const engine::OutputFile& state_file, const RunOptions& options);
 
 }  // namespace cvtflow::tasks

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "engine/base/hash.hpp"
-#include "engine/record/run/part_file.hpp"
+#include "engine/record/run/run_reader.hpp"
 #include "tasks/run/saved_start.hpp"
 
 namespace cvtflow::tasks {
@@ -49,15 +49,6 @@ engine::TableInfo transition_table() {
 std::string new_identity() {
     std::random_device draw;
     return fmt::format("{:08x}{:08x}{:08x}{:08x}", draw(), draw(), draw(), draw());
-}
-
-/// The record that `options.from` continues, renamed to make room for the new one; empty if there is none.
-std::string former_record(const RunOptions& options) {
-    const auto same_run = [&options](const std::string& file) { return is_record_of(*options.from, file); };
-    const auto yields = [&options](const std::string& file) {
-        return !options.from->replaces.empty() && run_of_record(file) == options.from->replaces;
-    };
-    return engine::set_aside(options.file.path(), {same_run, yields, options.replace});
 }
 
 std::vector<engine::Attribute> attributes_of_run(const Scene& scene, const std::string& run) {
@@ -153,10 +144,14 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
     if (!options.file.empty()) {
         run_ = options.from != nullptr && !options.from->run.empty() ? options.from->run : new_identity();
         contents_ = contents_of(scene, simulation.workspace().variator.chain(), channels_, run_);
-        if (options.from != nullptr) former_ = former_record(options);
+        engine::OutputFile file = options.file;
+        if (options.from != nullptr)
+            former_ =
+                engine::former_record(file, [run = run_](const std::string& there) { return engine::is_record_with(there, "run", run); });
         file_ = std::make_unique<engine::RunFile>(
-            options.file, contents_,
-            engine::RunFileOptions{.channel_rows = rows_together(contents_.channels, instants(scene, scene.run.output_interval))});
+            file, contents_,
+            engine::RunFileOptions{.channel_rows = rows_together(contents_.channels, instants(scene, scene.run.output_interval)),
+                                   .continues = options.from != nullptr});
     }
 }
 
@@ -231,13 +226,13 @@ std::vector<double> RunRecorder::position() {
 
 void RunRecorder::restore(const std::vector<double>& position) {
     constexpr std::size_t least = 11;  // rows, next state, outputs
-    if (position.size() < least) throw engine::RecordError(options_.file.path() + ": the checkpoint contains no position in its record");
+    if (position.size() < least) throw engine::RecordError(options_.file.path + ": the checkpoint contains no position in its record");
     const double* next = position.data();
     const auto take = [&] { return *next++; };
     const auto count = [&] {
         const double number = take();
         if (!(number >= 0.0 && number <= 9007199254740992.0))
-            throw engine::RecordError(options_.file.path() + ": the checkpoint contains an invalid count");
+            throw engine::RecordError(options_.file.path + ": the checkpoint contains an invalid count");
         return static_cast<std::size_t>(number);
     };
     for (engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]}) {
@@ -249,11 +244,11 @@ void RunRecorder::restore(const std::vector<double>& position) {
     outputs_ = static_cast<long>(count());
     (void)means_.load(output_means_.load({next, position.data() + position.size()}));
     if (!file_) return;
-    if (former_.empty() && written_.channels.count > 0)
-        throw engine::RecordError(options_.file.path() + ": the checkpoint's record does not exist");
-    if (former_.empty()) return;
-    engine::copy_record(former_, written_, contents_, *file_);
-    std::filesystem::remove(former_);
+    if (former_.path.empty() && written_.channels.count > 0)
+        throw engine::RecordError(options_.file.path + ": the checkpoint's record does not exist");
+    if (former_.path.empty()) return file_->take_place();
+    engine::copy_record(former_.path, written_, contents_, *file_);
+    former_ = {};
 }
 
 void RunRecorder::finish(const Simulation& simulation, RunReport& report, double wall) {

@@ -74,7 +74,7 @@ private:
     std::vector<double> row_;  ///< one number per column of the channels [columns]
     OutputMeans output_means_;
     std::string run_;
-    std::string former_;  ///< file with the rows before the checkpoint
+    engine::FormerRecord former_;  ///< the rows before the checkpoint
     engine::RunContents contents_;
     std::unique_ptr<engine::RunFile> file_;
     engine::RecordPosition written_{{}, {}, {{}}};

@@ -7,43 +7,16 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/base/hash.hpp"
 #include "engine/base/text.hpp"
 #include "engine/record/run/schema.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "tasks/run/checkpoint.hpp"
-#include "tasks/scene/toml_tree.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
 
 namespace {
-
-/// Whether a file is a state of the scene of that name, and no checkpoint; or the .part of a state that a kill cut short.
-bool is_state_of(const std::string& name, const std::string& file) {
-    if (!engine::is_state_file(file)) return false;
-    engine::SavedState saved;
-    try {
-        saved = engine::read_state(file);
-    } catch (const engine::RecordError&) {
-        return file.ends_with(".part");
-    }
-    const std::string line = fmt::format("\nname = {}\n", tasks::toml_text(name));
-    const auto* text = engine::attribute_value<std::string>(saved.attributes, "scene");
-    const bool checkpoint = engine::attribute_value<std::string>(saved.attributes, "scene_name") != nullptr;
-    return !checkpoint && text != nullptr && text->find(line) != std::string::npos;
-}
-
-/// A table or list as text: of the same heading, which are its first lines.
-engine::OutputRule text_rule(std::string_view text) {
-    constexpr std::size_t longest = 1024;
-    std::size_t end = text.find('\n');
-    if (text.starts_with("{\n") || text.starts_with("[\n")) end = text.find('\n', 2);
-    return {.what = "file with the same heading",
-            .own = engine::text_with({std::string(text.substr(0, std::min(end, longest)))}),
-            .devices = true};
-}
 
 /// Whether a file is a checkpoint that can be resumed.
 bool is_checkpoint(const std::string& file) {
@@ -86,33 +59,17 @@ std::vector<std::filesystem::path> read_files(const std::vector<std::string>& fi
     return read;
 }
 
-std::string mark_of(std::string_view kind, std::string_view of) { return fmt::format("cvtflow {} {}", kind, engine::Hash().add(of).hex()); }
-
-std::string marked(std::string text, const std::string& mark) {
-    const std::size_t tag = text.find('>');
-    if (tag != std::string::npos) text.insert(tag + 1, fmt::format("\n<!-- {} -->", mark));
-    return text;
+engine::OutputFile output_file(const std::string& path, bool named, bool force) {
+    const auto finished = [](const std::string& there) {
+        const auto permissions = std::filesystem::status(there).permissions();
+        return !there.ends_with(".part") && (permissions & std::filesystem::perms::owner_write) != std::filesystem::perms::none;
+    };
+    return {path, !force && !named && path.starts_with("results/") ? engine::MayReplace(finished) : engine::any_file(force)};
 }
 
-engine::OutputRule marked_rule(std::string_view kind, const std::string& of, std::vector<std::filesystem::path> inputs, bool force) {
-    return {.what = fmt::format("{} that cvtflow made of '{}'", kind, of),
-            .own = engine::text_with({mark_of(kind, of)}),
-            .inputs = std::move(inputs),
-            .force = force,
-            .devices = true};
-}
-
-engine::OutputRule scene_rule(const char* what, engine::IsOwn own, const tasks::Scene& scene, bool named, bool force) {
-    return {.what = fmt::format("{} '{}'", what, scene.name),
-            .own = std::move(own),
-            .inputs = input_files(scene),
-            .force = force,
-            .named = named};
-}
-
-engine::OutputRule state_rule(const tasks::Scene& scene, bool named, bool force) {
-    const auto own = [name = scene.name](const std::string& file) { return is_state_of(name, file); };
-    return scene_rule("state of the scene", own, scene, named, force);
+std::string replacing(const std::string& path) {
+    std::error_code absent;
+    return std::filesystem::exists(path, absent) ? path + ": the existing file is replaced" : "";
 }
 
 std::string default_place(const std::string& name) {
@@ -137,9 +94,9 @@ CLI::Option* with_default_place(CLI::Option* option, bool files) {
 }
 
 void require_checkpoint_place(const std::string& path, const std::string& record, const std::vector<std::filesystem::path>& inputs) {
-    const engine::Permit permit(path, {.inputs = inputs, .force = true});  // an existing file is checked below
+    engine::require_place({path, engine::any_file()}, inputs);  // an existing file is checked below
     const auto place = [](const std::string& name) { return std::filesystem::absolute(name).lexically_normal(); };
-    for (const char* suffix : {"", ".part", ".before"}) {
+    for (const char* suffix : {"", ".part"}) {
         if (!record.empty() && (place(path) == place(record + suffix) || place(path + suffix) == place(record))) {
             throw engine::RecordError("--checkpoint " + path + ": the run needs that name for its record " + record);
         }
@@ -152,7 +109,7 @@ void require_checkpoint_place(const std::string& path, const std::string& record
             throw engine::RecordError(std::string("--checkpoint: the file exists and is not a checkpoint: ") + error.what());
         }
     }
-    const engine::Permit part(path, {.what = "checkpoint", .own = engine::is_state_file});
+    engine::require_place({path, engine::is_state_file});
 }
 
 void keep_checkpoint(const std::string& file) {
@@ -188,10 +145,9 @@ void OutputFolder::write(const std::string& name, const std::string& text) {
     const std::filesystem::path path = std::filesystem::path(arguments_.folder.empty() ? "results" : arguments_.folder) / name;
     std::error_code ignored;  // writing the file then fails with a message
     std::filesystem::create_directories(path.parent_path(), ignored);
-    const bool picture = name.ends_with(".svg");
-    engine::OutputRule rule = picture ? marked_rule("picture", name) : text_rule(text);
-    rule.advice = "remove it, or name another folder";
-    engine::write_whole({path.string(), rule}, picture ? marked(text, mark_of("picture", name)) : text);
+    engine::OutputFile file = output_file(path.string(), !arguments_.folder.empty(), false);
+    file.advice = "remove it, or name another folder";
+    engine::write_whole(file, text);
     names_.push_back(path.string());
 }
 

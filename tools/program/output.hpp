@@ -1,12 +1,12 @@
 #pragma once
-/// Output of commands: which existing files it may replace, marks in pages and pictures, folders of results.
+/// Output of commands: where it goes, which existing files it may replace, folders of results.
 
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "engine/record/run/output_rule.hpp"
+#include "engine/record/run/part_file.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace CLI {
@@ -29,17 +29,11 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 /// The inputs that a command line names: files, and the tables of folders.
 [[nodiscard]] std::vector<std::filesystem::path> read_files(const std::vector<std::string>& files);
 
-/// Text in the head of a page or picture: the program that made it, and its scene or sweep. @param kind "page", "picture"
-[[nodiscard]] std::string mark_of(std::string_view kind, std::string_view of);
-/// A page or picture (HTML, SVG, XML) with its mark as a comment behind its first tag.
-[[nodiscard]] std::string marked(std::string text, const std::string& mark);
-
-/// A page or picture that carries its mark. A name that the user chose is treated like a default one.
-[[nodiscard]] engine::OutputRule marked_rule(std::string_view kind, const std::string& of, std::vector<std::filesystem::path> inputs = {},
-                                             bool force = false);
-/// A file made of a scene. @param what "record of the scene"   @param named the user chose the name
-[[nodiscard]] engine::OutputRule scene_rule(const char* what, engine::IsOwn own, const tasks::Scene& scene, bool named, bool force);
-[[nodiscard]] engine::OutputRule state_rule(const tasks::Scene& scene, bool named, bool force);
+/// A file that a command writes: it may replace one with `force`, and a finished one that is not write-protected under a default name in
+/// results/. @param named the user chose the name
+[[nodiscard]] engine::OutputFile output_file(const std::string& path, bool named, bool force);
+/// "FILE: the existing file is replaced"; empty: there is none.
+[[nodiscard]] std::string replacing(const std::string& path);
 
 /// Path results/NAME of what no -o names; creates the folder. @throws engine::RecordError if this user must not
 [[nodiscard]] std::string default_place(const std::string& name);

@@ -434,8 +434,8 @@ def csv(panels):
     return text.getvalue().encode()
 
 
-def picture(made, kind, mark=""):
-    """A figure as bytes of SVG or PNG, the same every time. mark: text in its head"""
+def picture(made, kind):
+    """A figure as bytes of SVG or PNG, the same every time."""
     from matplotlib.backends import backend_agg, backend_svg
 
     engine, canvas, dpi, text = made.get_layout_engine(), made.canvas, made.dpi, io.BytesIO()
@@ -447,7 +447,7 @@ def picture(made, kind, mark=""):
             drawn = (backend_agg.FigureCanvasAgg if kind == "png" else backend_svg.FigureCanvasSVG)(made)
             made.dpi = matplotlib.rcParams["savefig.dpi"]
             if kind == "png":  # Figure.savefig draws everything twice
-                drawn.print_png(text, metadata={"Software": mark or None}, pil_kwargs={"compress_level": 3})
+                drawn.print_png(text, metadata={"Software": None}, pil_kwargs={"compress_level": 3})
             else:
                 drawn.print_svg(text, metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
     finally:
@@ -456,10 +456,10 @@ def picture(made, kind, mark=""):
         made.set_layout_engine(engine)
         if "matplotlib.pyplot" in sys.modules:
             sys.modules["matplotlib.pyplot"].close(made)
-    return text.getvalue() if kind == "png" else _plain_svg(text.getvalue().decode(), mark)
+    return text.getvalue() if kind == "png" else _plain_svg(text.getvalue().decode())
 
 
-def _plain_svg(svg, mark):
+def _plain_svg(svg):
     svg = re.sub(r"\n <metadata>.*?</metadata>", "", svg[svg.index("<svg"):], flags=re.DOTALL)
     svg = re.sub(r' d="([^"]*)"', lambda path: ' d="' + re.sub(r"(\.\d\d)\d+", r"\1", path[1]) + '"', svg)
-    return (svg.replace(">", f">\n<!-- {mark} -->", 1) if mark else svg).encode()
+    return svg.encode()

@@ -200,7 +200,7 @@ def over_torque(heading, torque, ratio, values, marked=()):
         panels.append(_figures.Panel(f"{label.partition(' [')[0]} over torque and ratio", "torque of shaft 2 [N·m]", "ratio",
                                      scales=("linear", "log")))
         panels[-1].fields.append(_figures.Field(label, torque, ratio, each, list(marked)))
-    return _figures.picture(_figures.draw(panels, heading), "svg", "")
+    return _figures.picture(_figures.draw(panels, heading), "svg")
 
 
 def _speed_factor(model, small):

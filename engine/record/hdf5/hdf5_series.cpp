@@ -39,10 +39,6 @@ Handle create_series(hid_t file, const SeriesShape& shape) {
     check(H5Pset_create_intermediate_group(links.id(), 1), what);
     const Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, what);
     check(H5Pset_chunk(layout.id(), rank, chunk.data()), what);
-    if (shape.deflate > 0) {
-        check(H5Pset_shuffle(layout.id()), what);
-        check(H5Pset_deflate(layout.id(), static_cast<unsigned>(shape.deflate)), what);
-    }
     if (H5Tget_class(shape.type) == H5T_FLOAT) {
         const double missing = std::numeric_limits<double>::quiet_NaN();
         check(H5Pset_fill_value(layout.id(), H5T_NATIVE_DOUBLE, &missing), what);
@@ -140,7 +136,7 @@ int require_record_type(hid_t type, const std::string& what) {
 
 void RowBlock::add(Handle dataset, const SeriesShape& shape) {
     const std::size_t row_bytes = H5Tget_size(shape.type) * shape.width;
-    members_.push_back({std::move(dataset), shape.type, shape.flat ? 0 : shape.width, shape.deflate == 0 ? shape.chunk : 0, row_bytes,
+    members_.push_back({std::move(dataset), shape.type, shape.flat ? 0 : shape.width, shape.chunk, row_bytes,
                         std::make_unique_for_overwrite<std::byte[]>(row_bytes * capacity_)});
 }
 

@@ -17,7 +17,6 @@ struct SeriesShape {
     hid_t type = -1;        ///< type of one element, in memory and in the file
     std::size_t width = 1;  ///< elements per row
     bool flat = true;       ///< shape [rows], else [rows, width]
-    int deflate = 0;        ///< 0…9
     std::size_t chunk = 1;  ///< rows per chunk
 };
 
@@ -103,7 +102,7 @@ private:
         Handle dataset;
         hid_t type;
         std::size_t width;  ///< 0: [rows]
-        std::size_t chunk;  ///< rows of a chunk that is written as it is; 0: chunks are compressed
+        std::size_t chunk;  ///< rows of a chunk
         std::size_t row_bytes;
         std::unique_ptr<std::byte[]> rows;
     };

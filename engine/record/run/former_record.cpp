@@ -1,5 +1,6 @@
 #include "engine/record/run/former_record.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -67,6 +68,20 @@ void RowsWritten::add(double time, std::span<const double> values, std::span<con
               .value();
 }
 
+FormerRecord former_record(OutputFile& file, const MayReplace& own) {
+    const auto is_own = [own](const std::string& there) { return OutputFile(there, own).replaces(there); };
+    file.may_replace = [is_own, others = file](const std::string& there) { return is_own(there) || others.replaces(there); };
+    require_place(file);
+    for (const std::string& there : {file.path + ".part", file.path}) {
+        if (!is_own(there)) continue;
+        Descriptor lock(open(there.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
+        if (lock.number() >= 0 && !lock_file(lock.number(), there))
+            throw RecordError(there + ": cannot be continued: " + writer_of(there) + " is writing it");
+        return {there, std::move(lock)};
+    }
+    return {};
+}
+
 void copy_record(const std::string& path, const RecordPosition& until, const RunContents& contents, RunFile& file) {
     const RunReader former(path);
     require_rows(path, "rows", former.rows(), until.channels.count);
@@ -85,7 +100,7 @@ void copy_record(const std::string& path, const RecordPosition& until, const Run
         }
         require_same_rows(path, "transitions", copied, requested);
     }
-    file.flush();
+    file.take_place();
 }
 
 }  // namespace cvtflow::engine

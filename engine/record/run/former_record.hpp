@@ -1,8 +1,8 @@
 #pragma once
 /// Continues a record: copies what an earlier run wrote up to a checkpoint into the record of the continuing run.
 ///
-/// A file that HDF5 had open for writing when its process was killed is safe to read but not to write. So the rows are copied. At every
-/// instant either `<path>.before` holds all rows up to the checkpoint, or the new `<path>.part` does, on disk.
+/// A file that HDF5 had open for writing when its process was killed is safe to read but not to write: space that its tables use may count
+/// as free. So the rows are copied, up to their count at the checkpoint, into FILE.part.part, which then becomes FILE.part.
 
 #include <cstddef>
 #include <cstdint>
@@ -32,7 +32,17 @@ struct RecordPosition {
     std::vector<RowsWritten> tables{};  ///< rows of tables in the order of RunContents, without time
 };
 
-/// Copies the first rows of a record into a new one of the same contents, which is then flushed to disk.
+/// Record that a run continues, locked against other writers.
+struct FormerRecord {
+    std::string path;  ///< FILE.part, or else the finished FILE; empty: neither is of the run
+    Descriptor lock = Descriptor();
+};
+
+/// Checks the place of a record that is continued, where files of the run may be replaced. @param own whether a record is of the run
+/// @throws RecordError as require_place()
+[[nodiscard]] FormerRecord former_record(OutputFile& file, const MayReplace& own);
+
+/// Copies the first rows of a record into a new one of the same contents, which then takes its place.
 /// Errors (RecordError): the former holds less than that, or other numbers, e.g. since it is another run's; other channels; damaged.
 void copy_record(const std::string& former, const RecordPosition& until, const RunContents& contents, RunFile& file);
 

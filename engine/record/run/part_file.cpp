@@ -5,8 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
-#include <filesystem>
 
 #include "engine/record/hdf5/file_seal.hpp"
 #include "engine/record/run/schema.hpp"
@@ -14,6 +14,24 @@
 namespace cvtflow::engine {
 
 namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse_creation(const std::string& path, const std::string& why) { throw RecordError(path + ": cannot create: " + why); }
+
+std::string folder_of(const std::string& path) {
+    const std::string parent = fs::path(path).parent_path().string();
+    return parent.empty() ? "." : parent;
+}
+
+/// Renames a file to a name that no file has. @return 0 or an errno
+int rename_to_new(const std::string& from, const std::string& to) {
+    if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+    if (errno != EINVAL && errno != ENOSYS) return errno;
+    if (link(from.c_str(), to.c_str()) == 0) return unlink(from.c_str()) == 0 ? 0 : errno;
+    if (errno == EEXIST) return errno;
+    return std::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;  // a file system without links
+}
 
 struct flock whole_file() {
     struct flock whole {};
@@ -23,6 +41,84 @@ struct flock whole_file() {
 }
 
 }  // namespace
+
+MayReplace any_file(bool force) {
+    return [force](const std::string&) { return force; };
+}
+
+bool OutputFile::replaces(const std::string& there) const try { return may_replace && may_replace(there); } catch (const RecordError&) {
+    return false;
+}
+
+std::string other_than_file(const std::string& path) {
+    struct stat file {};
+    if (lstat(path.c_str(), &file) != 0 || S_ISREG(file.st_mode)) return "";
+    if (S_ISLNK(file.st_mode)) return "a symbolic link; name its target";
+    return S_ISDIR(file.st_mode) ? "a folder, not a file" : "a device, pipe or socket, not a file";
+}
+
+std::string missing_folder(const std::string& path) {
+    std::error_code unreadable;
+    const std::string folder = folder_of(path);
+    return fs::is_directory(folder, unreadable) ? "" : "the folder '" + folder + "' does not exist";
+}
+
+std::string head_of(const std::string& path) {
+    std::string head(4096, '\0');
+    try {
+        head.resize(InputFile(path).read(0, reinterpret_cast<std::byte*>(head.data()), head.size()));
+        return head;
+    } catch (const InputError&) {
+        return {};
+    }
+}
+
+void require_no_input(const std::string& path, const std::vector<fs::path>& inputs) {
+    for (const std::string& written : {path, path + ".part"}) {
+        for (const fs::path& input : inputs) {
+            std::error_code absent;
+            if (input.empty() || !fs::equivalent(written, input, absent) || absent) continue;
+            refuse_creation(path, (written == path ? "it" : "its .part") + std::string(" would replace the input ") + input.string());
+        }
+    }
+}
+
+void require_place(const OutputFile& file, const std::vector<fs::path>& inputs) {
+    const std::string &path = file.path, part = path + ".part";
+    if (path.empty()) return;
+    require_no_input(path, inputs);
+    if (path.back() == '/') refuse_creation(path, "a folder, not a file");
+    for (const std::string& there : {path, part})
+        if (const std::string other = other_than_file(there); !other.empty()) refuse_creation(there, other);
+    if (const std::string missing = missing_folder(path); !missing.empty()) refuse_creation(path, missing);
+    if (access(folder_of(path).c_str(), W_OK) != 0) refuse_creation(path, std::strerror(errno));
+    struct stat found {};
+    if (lstat(path.c_str(), &found) == 0 && !file.replaces(path)) throw RecordError(path + ": already exists; " + file.advice);
+    if (being_written(part)) refuse_creation(part, writer_of(part) + " is writing it");
+    const bool left = lstat(part.c_str(), &found) == 0;
+    if (!left && errno != ENOENT) refuse_creation(part, std::strerror(errno));
+    if (left && found.st_size > 0 && !file.replaces(part))
+        throw RecordError(part + ": already exists, left by a command that was killed (cvtflow info shows the rows of a run); " +
+                          file.advice);
+}
+
+void give_name(const std::string& complete, const OutputFile& file) {
+    int reason = rename_to_new(complete, file.path);
+    if (reason == EEXIST) {
+        struct stat there {};
+        if (!other_than_file(file.path).empty() || lstat(file.path.c_str(), &there) != 0 || !file.replaces(file.path))
+            throw RecordError(file.path + ": another program has written it meanwhile and it stays; the file of this one is " + complete);
+        static_cast<void>(chmod(complete.c_str(), there.st_mode & 07777U));
+        reason = std::rename(complete.c_str(), file.path.c_str()) == 0 ? 0 : errno;
+    }
+    if (reason != 0) throw RecordError(complete + ": cannot rename to '" + file.path + "': " + std::strerror(reason));
+}
+
+void write_whole(const OutputFile& file, std::string_view bytes) {
+    PartFile part(file);
+    part.require(part.write(bytes.data(), bytes.size()));
+    part.publish();
+}
 
 /// An open-file-description lock: gone with the process, however it ends, and unseen by HDF5, which asks for flock locks.
 bool lock_file(int descriptor, const std::string& path) {
@@ -38,8 +134,6 @@ bool lock_file(int descriptor, const std::string& path) {
 }
 
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Whether the path still names the file that is open; not so if another writer has just finished and renamed it.
 bool still_named(int descriptor, const std::string& path) {
@@ -71,22 +165,25 @@ bool being_written(const std::string& path) {
     return descriptor.number() >= 0 && fcntl(descriptor.number(), F_OFD_GETLK, &whole) == 0 && whole.l_type != F_UNLCK;
 }
 
-PartFile::PartFile(const Permit& permit) : permit_(permit), final_path_(permit.path()), part_path_(final_path_ + ".part") {
-    if (permit.empty()) throw RecordError("cannot create a temporary file");
-    for (const std::string& path : {final_path_, part_path_})  // a link may have taken its place since it was permitted
-        if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot create: " + other);
+std::string writer_of(const std::string& path) {
+    std::error_code hidden;
+    const fs::path file = fs::weakly_canonical(path, hidden);
+    for (const fs::directory_entry& process : fs::directory_iterator("/proc", hidden)) {
+        std::error_code denied;
+        for (fs::directory_iterator open(process.path() / "fd", denied), end; !denied && open != end; open.increment(denied))
+            if (fs::read_symlink(open->path(), hidden) == file) return "process " + process.path().filename().string();
+    }
+    return "another process";
+}
+
+PartFile::PartFile(const OutputFile& file, bool continues) : file_(file), part_path_(file.path + (continues ? ".part.part" : ".part")) {
+    if (file.empty()) throw RecordError("cannot create a temporary file");
+    if (!continues) require_place(file);
     descriptor_ = open_part(part_path_);
     const int part = descriptor_.number();
-    if (part < 0) throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
+    if (part < 0) refuse_creation(part_path_, std::strerror(errno));
     if (!lock_file(part, part_path_) || !still_named(part, part_path_))
-        throw RecordError(part_path_ + ": cannot create: another run is writing it");
-    try {
-        permit.require_still();
-    } catch (const RecordError&) {
-        struct stat created {};
-        if (fstat(part, &created) == 0 && created.st_size == 0) discard();
-        throw;
-    }
+        refuse_creation(part_path_, writer_of(part_path_) + " is writing it");
     if (ftruncate(part, 0) != 0) throw RecordError(part_path_ + ": cannot empty: " + std::strerror(errno));
 }
 
@@ -122,64 +219,20 @@ void PartFile::trim() noexcept {
     if (reserved_ > 0 && fstat(descriptor_.number(), &file) == 0 && ftruncate(descriptor_.number(), file.st_size) == 0) reserved_ = 0;
 }
 
+void PartFile::take_place() {
+    const std::string part = file_.path + ".part";
+    if (std::rename(part_path_.c_str(), part.c_str()) != 0)
+        throw RecordError(part_path_ + ": cannot rename to '" + part + "': " + std::strerror(errno));
+    part_path_ = part;
+}
+
 void PartFile::publish(bool durable) {
     trim();
-    if (!durable) return permit_.give_name(part_path_);
-    if (const int reason = sync(); reason != 0) throw RecordError(part_path_ + ": cannot write to disk: " + std::strerror(reason));
-    permit_.give_name(part_path_);
+    if (const int reason = durable ? sync() : 0; reason != 0)
+        throw RecordError(part_path_ + ": cannot write to disk: " + std::strerror(reason));
+    give_name(part_path_, file_);
     // So that the new name survives a power cut; the data are safe already, so failure is no error.
-    fsync(Descriptor(open(folder_of(final_path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)).number());
-}
-
-namespace {
-
-bool is_there(const std::string& path) {
-    std::error_code ignored;
-    return fs::exists(fs::symlink_status(path, ignored));
-}
-
-void require_at_rest(const std::string& path) {
-    if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot be continued: " + other);
-    // A run that was killed may have a child that tries a file for it, with the same locks, and ends a moment later.
-    for (int wait = 0; wait < 50 && being_written(path); ++wait) usleep(10'000);
-    if (being_written(path)) throw RecordError(path + ": cannot be continued: a run is still writing it");
-}
-
-/// Whether a file that lies in the way is the run's. @throws RecordError if it is not, and may not be replaced
-bool is_former(const std::string& path, const FormerFiles& files) try {
-    require_at_rest(path);
-    if (files.own(path)) return true;
-    if (!files.replace) throw RecordError(path + ": cannot be continued: not the record of this run; --force replaces it");
-    return false;
-} catch (const RecordError&) {
-    if (!files.replace || being_written(path) || !other_than_file(path).empty()) throw;
-    return false;
-}
-
-bool yields(const std::string& path, const FormerFiles& files) try {
-    return other_than_file(path).empty() && files.yields(path);
-} catch (const RecordError&) {
-    return false;
-}
-
-}  // namespace
-
-std::string set_aside(const std::string& path, const FormerFiles& files) {
-    const std::string before = path + ".before";
-    std::string found;
-    for (const std::string& left : {before, path + ".part", path}) {
-        if (!is_there(left)) continue;
-        if (left == path && !found.empty() && yields(left, files)) continue;
-        if (left == path + ".part" && !found.empty()) {
-            require_at_rest(left);
-            continue;  // of the attempt that was killed, or of a run that would have found .before
-        }
-        if (is_former(left, files) && found.empty()) found = left;
-    }
-    if (found.empty() || found == before) return found;
-    if (std::rename(found.c_str(), before.c_str()) != 0)
-        throw RecordError(found + ": cannot rename to '" + before + "': " + std::strerror(errno));
-    return before;
+    if (durable) fsync(Descriptor(open(folder_of(file_.path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)).number());
 }
 
 void PartFile::discard() noexcept { unlink(part_path_.c_str()); }
@@ -187,7 +240,7 @@ void PartFile::discard() noexcept { unlink(part_path_.c_str()); }
 void PartFile::require(int reason) {
     if (reason == 0) return;
     discard();
-    throw RecordError(final_path_ + ": cannot write: " + std::strerror(reason));
+    throw RecordError(file_.path + ": cannot write: " + std::strerror(reason));
 }
 
 }  // namespace cvtflow::engine

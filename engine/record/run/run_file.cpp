@@ -12,7 +12,6 @@
 
 #include "engine/record/hdf5/hdf5_handle.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
-#include "engine/record/run/part_file.hpp"
 #include "engine/record/run/run_layout.hpp"
 
 namespace cvtflow::engine {
@@ -56,7 +55,8 @@ struct RunFile::Impl {
     std::string status;
     std::string damage;  ///< reason why HDF5 failed; nothing is written any more
 
-    Impl(const Permit& permit, RunContents what, RunFileOptions how) : part(permit), contents(std::move(what)), options(how) {
+    Impl(const OutputFile& place, RunContents what, RunFileOptions how)
+        : part(place, how.continues), contents(std::move(what)), options(how) {
         try {
             hdf5::guarded(part.path(), [this] { start(); });
         } catch (...) {
@@ -178,12 +178,17 @@ struct RunFile::Impl {
     }
 };
 
-RunFile::RunFile(const Permit& permit, RunContents contents, RunFileOptions options)
-    : impl_(std::make_unique<Impl>(permit, std::move(contents), options)) {}
+RunFile::RunFile(const OutputFile& file, RunContents contents, RunFileOptions options)
+    : impl_(std::make_unique<Impl>(file, std::move(contents), options)) {}
 
 RunFile::~RunFile() {
     if (!impl_->file) return;
     const hdf5::QuietErrors quiet;
+    if (impl_->options.continues) {
+        impl_->release();
+        impl_->part.discard();
+        return;
+    }
     const std::string status = impl_->status.empty() ? "interrupted" : impl_->status;
     try {
         impl_->require_open();
@@ -252,6 +257,12 @@ void RunFile::set_status(std::string status) { impl_->status = std::move(status)
 void RunFile::flush() {
     impl_->require_open();
     impl_->flush();
+}
+
+void RunFile::take_place() {
+    flush();
+    impl_->part.take_place();
+    impl_->options.continues = false;
 }
 
 void RunFile::close() {

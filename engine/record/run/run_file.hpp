@@ -19,7 +19,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/record/run/output_rule.hpp"
+#include "engine/record/run/part_file.hpp"
 #include "engine/record/run/schema.hpp"
 
 namespace cvtflow::engine {
@@ -37,7 +37,7 @@ struct RunContents {
 struct RunFileOptions {
     double flush_seconds = 5.0;  ///< wall time after which an append first flushes by itself [s]
     int channel_rows = 512;      ///< rows of channels gathered in memory; chunks of the file have as many, at most 512
-    int deflate_states = 0;      ///< compression of states, 0 (none) … 9
+    bool continues = false;      ///< `<path>.part` stays as it is, and this is discarded, unless take_place() is called
 };
 
 /// Writer. All errors are RecordError; those of writing contain the path, the reason and what is saved, for instance
@@ -50,8 +50,8 @@ struct RunFileOptions {
 class RunFile {
 public:
     /// Creates `<path>.part`.
-    /// Errors: those of Permit, another run writing it, contents that contradict.
-    RunFile(const Permit& permit, RunContents contents, RunFileOptions options = {});
+    /// Errors: those of require_place(), contents that contradict.
+    RunFile(const OutputFile& file, RunContents contents, RunFileOptions options = {});
     /// Saves what it can if close() was not called, sets the status to "interrupted" unless set_status() was called, leaves the .part file.
     ~RunFile();
     RunFile(const RunFile&) = delete;
@@ -71,6 +71,8 @@ public:
 
     /// Brings every row to disk (fsync).
     void flush();
+    /// Flushes and becomes `<path>.part`, in place of the record whose rows it has.
+    void take_place();
     /// Flushes, completes, and renames to the final name. No call but the destructor may follow.
     void close();
 

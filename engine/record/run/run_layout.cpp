@@ -125,14 +125,14 @@ RunLayout run_layout(const RunContents& contents, const RunFileOptions& options)
     layout.channels.rows = rows;
     for (const ChannelInfo& channel : contents.channels) {
         const auto width = static_cast<std::size_t>(channel.width);
-        layout.channels.series.push_back({"/channels/" + channel.name, H5T_NATIVE_DOUBLE, width, width == 1, 0, chunk});
+        layout.channels.series.push_back({"/channels/" + channel.name, H5T_NATIVE_DOUBLE, width, width == 1, chunk});
     }
     layout.channels.series.push_back({.path = "/channels/time", .type = H5T_NATIVE_DOUBLE, .chunk = chunk});
     if (contents.state_size > 0) {
         const std::size_t few = state_rows(contents.state_size);
         layout.states.rows = state_chunks * few;
         const auto add = [&](const char* path, hid_t type, std::size_t width) {
-            layout.states.series.push_back({path, type, width, false, options.deflate_states, few});
+            layout.states.series.push_back({path, type, width, false, few});
         };
         add("/states/y", H5T_NATIVE_DOUBLE, contents.state_size);
         if (contents.phase_count > 0) add("/states/phases", H5T_NATIVE_UINT8, contents.phase_count);

@@ -7,6 +7,7 @@
 #include "engine/record/hdf5/hdf5_handle.hpp"
 #include "engine/record/hdf5/hdf5_open.hpp"
 #include "engine/record/hdf5/hdf5_series.hpp"
+#include "engine/record/run/part_file.hpp"
 #include "engine/record/run/run_layout.hpp"
 
 namespace cvtflow::engine {
@@ -70,6 +71,24 @@ void require_unchanged(const std::string& path) {
         throw RecordError(path + ": " + error.what());
     }
     throw RecordError(path + ": damaged HDF5 file (changed after it was finished: its checksum differs)");
+}
+
+bool is_record_with(const std::string& path, std::string_view attribute, std::string_view text) {
+    const RunReader reader(path);
+    const auto* found = attribute_value<std::string>(reader.attributes(), attribute);
+    return found != nullptr && *found == text;
+}
+
+bool is_torn_record(const std::string& path) {
+    const std::string head = head_of(path);
+    if (head.find_first_not_of('\0') == std::string::npos) return true;
+    if (!head.starts_with("\x89HDF\r\n\x1a\n\x03")) return false;
+    try {
+        static_cast<void>(hdf5::format_of(path));
+        return false;
+    } catch (const RecordError&) {
+        return true;
+    }
 }
 
 struct RunReader::Impl {

@@ -98,17 +98,15 @@ SavedState read_contents(hid_t file) {
 
 }  // namespace
 
-void write_state(const std::string& path, const SavedState& saved) {
-    write_state(Permit(path, {.what = "state", .own = is_state_file, .repeats = true}), saved);
-}
+void write_state(const std::string& path, const SavedState& saved) { write_state(OutputFile(path, is_state_file), saved); }
 
-void write_state(const Permit& permit, const SavedState& unsorted, bool durable) {
-    const std::string& path = permit.path();
+void write_state(const OutputFile& target, const SavedState& unsorted, bool durable) {
+    const std::string& path = target.path;
     SavedState saved = unsorted;
     const auto by_name = [](const auto& a, const auto& b) { return a.name < b.name; };
     std::sort(saved.more.begin(), saved.more.end(), by_name);
     std::sort(saved.attributes.begin(), saved.attributes.end(), by_name);
-    PartFile part(permit);
+    PartFile part(target);
     part.require(part.reserve(most_bytes(saved)));
     try {
         hdf5::guarded(path, [&] { create_state(part.path(), saved); });
@@ -119,6 +117,17 @@ void write_state(const Permit& permit, const SavedState& unsorted, bool durable)
     part.trim();
     part.require(part.seal());
     part.publish(durable);
+}
+
+bool is_state_file(const std::string& file) {
+    const std::string head = head_of(file);
+    if (head.find_first_not_of('\0') == std::string::npos) return true;
+    if (!head.starts_with("\x89HDF\r\n\x1a\n\x02")) return false;  // records begin with version 3
+    try {
+        return hdf5::format_of(file) == state_format;
+    } catch (const RecordError&) {
+        return true;
+    }
 }
 
 SavedState read_state(const std::string& path) {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/record/run/output_rule.hpp"
+#include "engine/record/run/part_file.hpp"
 #include "engine/record/run/schema.hpp"
 
 namespace cvtflow::engine {
@@ -37,9 +37,12 @@ struct SavedState {
 /// Writes the file atomically: readers see the former file or the new one, also after a kill or a power cut. Written to
 /// `<path>.part`, synced, renamed. Throws RecordError: missing folder, not writable, disk full, another process writing the same file.
 /// @param durable  whether it is on disk when this returns
-void write_state(const Permit& permit, const SavedState& saved, bool durable = true);
+void write_state(const OutputFile& file, const SavedState& saved, bool durable = true);
 /// The same, replacing nothing but a state.
 void write_state(const std::string& path, const SavedState& saved);
+
+/// Whether a file is a state, as checkpoints are, or what a writer that was killed has left of one.
+[[nodiscard]] bool is_state_file(const std::string& file);
 
 /// Reads a state bit for bit as it was written, with attributes sorted by name. Throws RecordError: missing, not HDF5, truncated, damaged
 /// (no seal, or a broken one), another kind.

@@ -271,8 +271,13 @@ SweepFacts read_facts(const std::string& folder) {
 
 namespace {
 
-[[nodiscard]] engine::OutputRule own_file(std::string mark) {
-    return {.what = "file of a sweep", .own = engine::text_with({std::move(mark)}), .advice = remove_by_hand};
+/// A file of the sweep, which replaces one with that text in its first 4 KiB, and the zeros that a power cut has left of it.
+[[nodiscard]] engine::OutputFile own_file(const std::string& folder, const char* name, std::string mark) {
+    const auto own = [mark = mark.substr(0, 1024)](const std::string& there) {
+        const std::string head = engine::head_of(there);
+        return head.find(mark) != std::string::npos || head.find_first_not_of('\0') == std::string::npos;
+    };
+    return {in(folder, name), own, remove_by_hand};
 }
 
 }  // namespace
@@ -288,7 +293,7 @@ void write_facts(const std::string& folder, const SweepFacts& facts) {
         json["columns"].push_back(std::move(column));
     }
     const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-    engine::write_whole({in(folder, "sweep.json"), own_file(std::string(format_name))}, text);
+    engine::write_whole(own_file(folder, "sweep.json", std::string(format_name)), text);
 }
 
 namespace {
@@ -339,7 +344,7 @@ void keep_text(const std::string& folder, const Sweep& sweep) {
         return left.size() <= sweep.text.size() &&
                std::equal(left.begin(), left.end(), sweep.text.begin(), [](char is, char was) { return is == was || is == '\0'; });
     };
-    engine::write_whole(engine::Permit(path, {.own = torn, .advice = remove_by_hand}), sweep.text);
+    engine::write_whole({path, torn, remove_by_hand}, sweep.text);
 }
 
 }  // namespace
@@ -347,8 +352,9 @@ void keep_text(const std::string& folder, const Sweep& sweep) {
 SweepFacts begin_results(const std::string& folder, const Sweep& sweep) {
     constexpr int attempts = 100;  // of processes that begin a sweep together one writes
     const SweepFacts here = facts_of(sweep);
-    const engine::OutputRule of_others{.advice = remove_by_hand};
-    const engine::Permit results(in(folder, "results.csv"), holds_sweep(folder) ? own_file(heading_of(here.columns)) : of_others);
+    engine::OutputFile results = own_file(folder, "results.csv", heading_of(here.columns));
+    if (!holds_sweep(folder)) results.may_replace = nullptr;
+    engine::require_place(results);
     for (int attempt = 1; !holds_sweep(folder); ++attempt) {
         try {
             keep_text(folder, sweep);
@@ -443,7 +449,7 @@ std::string SweepRows::file(const std::function<void(long, std::vector<std::stri
 }
 
 void write_results(const std::string& folder, const SweepFacts& facts, const std::string& rows) {
-    engine::write_whole({in(folder, "results.csv"), own_file(heading_of(facts.columns))}, rows);
+    engine::write_whole(own_file(folder, "results.csv", heading_of(facts.columns)), rows);
     write_facts(folder, facts);
 }
 

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <regex>
 
+#include "engine/record/run/run_reader.hpp"
+#include "engine/record/run/state_file.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -26,22 +29,26 @@ std::string case_file(const fs::path& folder, std::string_view kind, long number
     return (folder / fmt::format("{}-{:06}.h5", kind, number)).string();
 }
 
-engine::Permit permit_record(const std::string& file, const Scene& of_case) {
-    const auto own = [same = engine::record_with("parameters", write_scene(of_case))](const std::string& there) {
-        return engine::is_torn_record(there) || same(there);
+engine::OutputFile case_record(const std::string& file, const Scene& of_case) {
+    engine::require_no_input(file, input_files(of_case));
+    const auto own = [scene = write_scene(of_case)](const std::string& there) {
+        return engine::is_torn_record(there) || engine::is_record_with(there, "parameters", scene);
     };
-    return {file, {.what = "record of this case", .own = own, .inputs = input_files(of_case), .repeats = true, .advice = remove_by_hand}};
-}
-
-engine::Permit permit_state(const std::string& file, const Sweep& sweep) {
-    return {file, {.what = "state of a sweep", .own = engine::is_state_file, .inputs = input_files(sweep.scene), .advice = remove_by_hand}};
+    return {file, own, remove_by_hand};
 }
 
 void remove_ends(const fs::path& continuation, const Sweep& sweep, long strand) {
     const auto is_end = states_named(R"(end-\d{6,}\.h5(\.part)?)", sweep);
-    engine::remove_own_files(continuation, [&](const fs::path& file) {
-        return is_end(file) && (strand < 0 || std::stol(file.filename().string().substr(4)) / sweep.strand() == strand);
-    });
+    std::error_code ignored;
+    std::vector<fs::path> files;
+    for (const fs::directory_entry& entry : fs::directory_iterator(continuation, ignored)) {
+        const fs::path& file = entry.path();
+        if (fs::is_regular_file(entry.symlink_status(ignored)) && is_end(file) &&
+            (strand < 0 || std::stol(file.filename().string().substr(4)) / sweep.strand() == strand))
+            files.push_back(file);
+    }
+    for (const fs::path& file : files) fs::remove(file, ignored);
+    fs::remove(continuation, ignored);  // only if it is empty
 }
 
 }  // namespace cvtflow::tasks

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/record/run/output_rule.hpp"
+#include "engine/record/run/part_file.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
 
 namespace cvtflow::tasks {
@@ -17,9 +17,7 @@ inline constexpr const char* remove_by_hand = "move it away, or name another fol
 /// File of a case in a folder, "case-000012.h5".
 [[nodiscard]] std::string case_file(const std::filesystem::path& folder, std::string_view kind, long number);
 /// The record of a case. Replaces one of the same case, and what a killed writer left of it.
-[[nodiscard]] engine::Permit permit_record(const std::string& file, const Scene& of_case);
-/// A state. Replaces one.
-[[nodiscard]] engine::Permit permit_state(const std::string& file, const Sweep& sweep);
+[[nodiscard]] engine::OutputFile case_record(const std::string& file, const Scene& of_case);
 /// Removes the ends of cases, DIR/continuation, or those of one strand. Files of other names stay, and so do the sweep's inputs.
 void remove_ends(const std::filesystem::path& continuation, const Sweep& sweep, long strand = -1);
 

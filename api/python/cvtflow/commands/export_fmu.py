@@ -1,9 +1,7 @@
 """`cvtflow export-fmu`: a scene as an FMU."""
 
-from html import escape
-
 from ._front import FORCE, UsageError, require, say, visible
-from ._output import Output, with_marks
+from ._output import Output
 from ._scenes import declare_scene, load
 
 DESCRIPTION = "Write a scene as an FMU for other simulators (FMI 2.0 or 3.0)"
@@ -18,7 +16,7 @@ SHORTCUTS = (("--method", "run.method", "NAME", "Integration method, a name from
 def declare(parser):
     declare_scene(parser, SHORTCUTS, settle=True)
     add = parser.add_argument
-    add("-o", "--output", metavar="FILE.fmu", help="File to write; must not exist (default: SCENE.fmu, replaced with a notice)")
+    add("-o", "--output", metavar="FILE.fmu", help="File to write; must not exist (default: SCENE.fmu)")
     add("--force", action="store_true", help=FORCE)
     add("--fmi", metavar="N", type=int, choices=(2, 3), default=3, help="Version of the standard, 2 or 3 (default: 3)")
     for option, what, text in (("--inputs", "NAME,...", "Inputs by name, separated by commas (default: all inputs of the scene)"),
@@ -38,9 +36,7 @@ def act(given):
     if any(ord(letter) < 32 or 0xD800 <= ord(letter) < 0xE000 for letter in given.author):
         raise UsageError("--author: a text in UTF-8 without control characters is expected")
     path = given.output or f"{scene.name}.fmu"
-    marks = with_marks("modelDescription.xml", 'generationTool="cvtflow ', f'modelName="{escape(scene.name)}"')
-    inputs = [given.scene, scene["start.state"]]
-    output = Output(path, f"FMU of the scene '{scene.name}'", marks, inputs, given.force, named=bool(given.output))
+    output = Output(path, [given.scene, scene["start.state"]], given.force, named=bool(given.output))
     if output.notice and not given.quiet:
         say(output.notice)
     files, alone = _scene_fmu.libraries()

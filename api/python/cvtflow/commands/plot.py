@@ -3,7 +3,7 @@
 import os
 
 from ._front import FORCE, SI, UsageError, file_or_result, matplotlib, require
-from ._output import Output, inputs_of, mark_of, marked_output, picture_path, report_written, require_no_input
+from ._output import Output, inputs_of, picture_path, report_written
 
 DESCRIPTION = "Draw records or a sweep: curves, orders, losses, maps; SVG, PNG or CSV"
 FOOTER = """
@@ -13,7 +13,7 @@ cvtflow plot SWEEP --x load.torque --y start.ratio --colour slip_mean --where cl
 cvtflow plot run.h5 --x ratio slip           cvtflow plot run.h5 --x shaft_1/speed efficiency tight_tension
 cvtflow plot run.h5 slip --with bench.csv    cvtflow plot SWEEP --x load.torque --y efficiency --with bench.csv
 For channels of more than four numbers, minimum, mean and maximum are drawn.
-A picture of the same scene or sweep is replaced, any other file only with --force.
+A file that exists is replaced with --force, or under its default name in results/.
 """
 ENDINGS = (".svg", ".png", ".csv")
 
@@ -59,16 +59,15 @@ def _of_records(given, files, channels):
     if given.wear and len(files) > 1:
         raise UsageError("--wear draws one record")
     records, si = _inputs.records(files), given.si
-    name = plots.name_of(records[0])
     if given.wear:
-        return plots.wear(records[0]), name
+        return plots.wear(records[0])
     if given.round:
-        return plots.round_of_pin(records, si=si), name
+        return plots.round_of_pin(records, si=si)
     if given.orders:
-        return plots.orders(records, channels, si=si), name
+        return plots.orders(records, channels, si=si)
     if given.losses:
-        return plots.losses(records), name
-    return plots.curves(records, channels, given.x or "", _inputs.measured(given.measured), given.every_output, si=si), name
+        return plots.losses(records)
+    return plots.curves(records, channels, given.x or "", _inputs.measured(given.measured), given.every_output, si=si)
 
 
 def _of_sweeps(given, files, channels):
@@ -83,8 +82,8 @@ def _of_sweeps(given, files, channels):
         raise UsageError("--with adds points to curves, not to a map (--colour)")
     sweeps = [_inputs.results(file, given.where) for file in files]
     if given.colour:
-        return maps.maps(sweeps, given.x, given.y, given.colour, where=given.where, si=given.si), sweeps[0].name
-    return maps.lines(sweeps, given.x, given.y, measured=_inputs.measured(given.measured), where=given.where, si=given.si), sweeps[0].name
+        return maps.maps(sweeps, given.x, given.y, given.colour, where=given.where, si=given.si)
+    return maps.lines(sweeps, given.x, given.y, measured=_inputs.measured(given.measured), where=given.where, si=given.si)
 
 
 def act(given):
@@ -94,20 +93,14 @@ def act(given):
     kind = os.path.splitext(path)[1]
     if kind not in ENDINGS:
         raise UsageError(f"-o {path}: expected FILE.svg, FILE.png or FILE.csv")
-    inputs = inputs_of([*files, given.measured])
-    require_no_input(path, inputs)
+    output = Output(path, inputs_of([*files, given.measured]), given.force, named=bool(given.output))
     matplotlib()
     from .. import _figures
     from . import _inputs
 
     _figures.in_notebooks = False
-    drawn, of = (_of_sweeps if _inputs.is_sweep(files[0]) else _of_records)(given, files, channels)
+    drawn = (_of_sweeps if _inputs.is_sweep(files[0]) else _of_records)(given, files, channels)
     if not drawn.panels:
         raise UsageError(f"nothing to draw: name a channel (cvtflow info {files[0]})")
-    if kind == ".csv":
-        output, data = Output(path, inputs=inputs, force=given.force, named=True, devices=True), _figures.csv(drawn.panels)
-    else:
-        output = marked_output("picture", of, path, inputs, given.force)
-        data = _figures.picture(drawn, kind[1:], mark_of("picture", of))
-    output.write(data)
+    output.write(_figures.csv(drawn.panels) if kind == ".csv" else _figures.picture(drawn, kind[1:]))
     report_written(path)

@@ -1,13 +1,13 @@
 """`cvtflow report`: a page of records or of sweeps."""
 
 from ._front import FORCE, SI, UsageError, file_or_result, matplotlib, require, say, visible
-from ._output import inputs_of, mark_of, marked, marked_output, picture_path, require_no_input
+from ._output import Output, inputs_of, picture_path
 
 DESCRIPTION = "Write a self-contained HTML page of records or a sweep: curves, the running chain, tables"
 FOOTER = """
 The page is one file and needs no network: status and warnings, key figures and differences, vehicle, scene, curves, running
-chain, pin forces, losses, wear, spectra, provenance. A page of the same scene or sweep is replaced, any other file only with
---force. Long records are thinned to minima and maxima, and the page states it.
+chain, pin forces, losses, wear, spectra, provenance. A file that exists is replaced with --force, or under its default name in
+results/. Long records are thinned to minima and maxima, and the page states it.
 """
 
 
@@ -35,11 +35,9 @@ def _warn_without_machine(record):
 def act(given):
     require("report", "numpy", "matplotlib", "h5py", "jinja2")
     path = picture_path(given.output, given.files[0], "report.html")
-    inputs = inputs_of([*given.files, given.measured])
-    require_no_input(path, inputs)
+    output = Output(path, inputs_of([*given.files, given.measured]), given.force, named=bool(given.output))
     matplotlib()
     from .. import _figures, pages
-    from .._courses import name_of
     from . import _inputs
 
     _figures.in_notebooks = False
@@ -50,9 +48,7 @@ def act(given):
     if not sweeps[0]:
         for record in of:
             _warn_without_machine(record)
-    name = of[0].name if sweeps[0] else name_of(of[0])
-    output = marked_output("page", name, path, inputs, given.force)
-    page = marked(pages.report(of, with_=_inputs.measured(given.measured), si=given.si).encode(), mark_of("page", name))
+    page = pages.report(of, with_=_inputs.measured(given.measured), si=given.si).encode()
     output.write(page)
     size = f"{1e-3 * len(page):.1f} kB" if len(page) < 1e6 else f"{1e-6 * len(page):.1f} MB"
     print(f"{visible(path)} ({size})")

@@ -45,7 +45,7 @@ TEST_F(RunFileTest, KeepsTheFormerFileUntilTheNewOneIsComplete) {
         append_example(first, 7);
         first.close();
     }
-    RunFile second({path("out.h5"), {.force = true}}, example_contents());
+    RunFile second({path("out.h5"), any_file()}, example_contents());
     second.flush();
     EXPECT_EQ(RunReader(path("out.h5")).rows(), 1U);
     second.close();
@@ -155,20 +155,20 @@ TEST_F(RunFileTest, ReplacesNothingUnlessPermitted) {
         append_example(killed, 0);
     }
     EXPECT_EQ(create(path("a.h5")),
-              path("a.h5.part") + ": already exists: rows of a run that was killed (cvtflow info shows them); --force replaces it");
+              path("a.h5.part") + ": already exists, left by a command that was killed (cvtflow info shows the rows of a run); --force replaces it");
     EXPECT_EQ(RunReader(path("a.h5.part")).rows(), 1U);
     {
         RunFile finished(path("b.h5"), example_contents());
         finished.close();
     }
-    EXPECT_EQ(create(path("b.h5")), path("b.h5") + ": already exists and is not a file that may be replaced; --force replaces it");
+    EXPECT_EQ(create(path("b.h5")), path("b.h5") + ": already exists; --force replaces it");
 }
 
 TEST_F(RunFileTest, RefusesAFileThatAnotherRunIsWriting) {
     RunFile first(path("out.h5"), example_contents());
     append_example(first, 0);
     EXPECT_EQ(error_of([&] { RunFile(path("out.h5"), example_contents()); }),
-              path("out.h5.part") + ": cannot create: another run is writing it");
+              path("out.h5.part") + ": cannot create: process " + std::to_string(getpid()) + " is writing it");
     first.close();
     EXPECT_EQ(RunReader(path("out.h5")).rows(), 1U);
 }
@@ -234,7 +234,7 @@ std::size_t check_example(const std::string& path) {
 
 /// A child appends and flushes as fast as it can, telling in `flushed` (a pipe) how many rows it has brought to safety.
 void write_without_end(const std::string& path, int pipe_end) {
-    RunFile file({path, {.force = true}}, example_contents(), {.flush_seconds = 1e9, .channel_rows = 16});
+    RunFile file({path, any_file()}, example_contents(), {.flush_seconds = 1e9, .channel_rows = 16});
     for (int i = 0;; ++i) {
         append_example(file, i);
         append_example_state(file, i);

@@ -67,15 +67,6 @@ TEST_F(RunReaderTest, ReadsARunWithoutAnything) {
     EXPECT_EQ(error_of([&] { (void)reader.state(0); }), path("empty.h5") + ": no states recorded");
 }
 
-TEST_F(RunReaderTest, ReadsCompressedStates) {
-    RunFile file(path("out.h5"), {.state_size = 4, .phase_count = 2}, {.deflate_states = 6});
-    for (int i = 0; i < 300; ++i) {
-        append_example_state(file, i);
-    }
-    file.close();
-    EXPECT_EQ(RunReader(path("out.h5")).state(200).state.front(), 200.25);
-}
-
 TEST_F(RunReaderTest, ReportsWhyAFileCannotBeOpened) {
     EXPECT_EQ(opening(path("absent.h5")), path("absent.h5") + ": No such file or directory");
     EXPECT_EQ(opening(path("")), path("") + ": a folder, not a file");

@@ -52,25 +52,14 @@ std::string record_beside(const std::string& file, const tasks::Checkpoint& chec
                     file, checkpoint.record));
 }
 
-/// Place of the resumed record. Existing files, those of the run and the record that it was to replace, are checked by engine::set_aside.
-engine::Permit record_permit(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint, const tasks::Scene& scene) {
+/// Place of the resumed record. Existing files are checked where the record is opened, which knows those of the run.
+engine::OutputFile record_file(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint, const tasks::Scene& scene) {
     std::vector<std::filesystem::path> inputs = input_files(scene);
     inputs.emplace_back(arguments.what);
     const std::string& named = arguments.output;
-    return {named.empty()     ? record_beside(arguments.what, checkpoint)
-            : named == "none" ? ""
-                              : named,
-            {.inputs = inputs, .force = arguments.force, .former = true}};
-}
-
-/// Notice that the record of another run is replaced.
-std::string replacing_another(const std::string& file, const tasks::Checkpoint& checkpoint) {
-    std::error_code absent;
-    if (!std::filesystem::exists(file, absent)) return {};
-    try {
-        if (tasks::is_record_of(checkpoint, file)) return {};
-    } catch (const engine::RecordError&) {}  // no record at all
-    return file + ": the existing file is replaced";
+    const std::string file = named.empty() ? record_beside(arguments.what, checkpoint) : named == "none" ? "" : named;
+    if (!file.empty()) engine::require_no_input(file, inputs);
+    return output_file(file, !named.empty(), arguments.force);
 }
 
 tasks::Scene scene_to_resume(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
@@ -97,20 +86,17 @@ ExitStatus resume_run(const ResumeArguments& arguments) {
     const tasks::Scene scene = scene_to_resume(arguments, checkpoint);
     ProgressDisplay display(arguments.quiet, tasks::latest_end(scene));
     tasks::RunOptions options = display.options();
-    options.file = record_permit(arguments, checkpoint, scene);
-    options.replace = arguments.force;
-    options.replaces = checkpoint.replaces;
+    options.file = record_file(arguments, checkpoint, scene);
     // Without its record, a run must not move its checkpoint on: the rows in between would be nowhere.
     if (!options.file.empty() || checkpoint.run.empty()) options.checkpoint = arguments.what;
     options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every.value_or("60 s"));
     options.from = &checkpoint;
     options.mixed = arguments.mixed;
-    say(arguments.quiet, options.file.empty() ? "" : replacing_another(options.file.path(), checkpoint));
     say(arguments.quiet, fmt::format("{} resumes at t = {}", scene.name, time_text(checkpoint.integration.time)));
     const tasks::RunReport report = tasks::run_scene(scene, options);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}", engine::visible(scene.name), tasks::summary(report),
-                   field("record", options.file.empty() ? "none" : options.file.path()));
+                   field("record", options.file.empty() ? "none" : options.file.path));
     } else if (report.fault) {
         print_error(report.fault.message());
     }

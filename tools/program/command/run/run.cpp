@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "engine/base/provenance.hpp"
-#include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/schema.hpp"
 #include "tasks/run/run.hpp"
 #include "tools/program/arguments.hpp"
@@ -41,41 +40,19 @@ std::string checkpoint_path(const RunArguments& arguments, const tasks::Scene& s
     return beside(record.empty() ? scene.path.stem().string() : record, ".checkpoint.h5");
 }
 
-/// Whether a file is a record of the scene: of its name, and of its text or its file. A file that is gone was moved.
-engine::IsOwn record_of(const tasks::Scene& scene) {
-    return [named = engine::record_with("scene", scene.name), of_text = engine::record_with("scene_text", scene.text),
-            path = scene.path](const std::string& file) {
-        if (!named(file)) return false;
-        if (of_text(file)) return true;
-        const auto attributes = engine::RunReader(file).attributes();
-        const auto* there = engine::attribute_value<std::string>(attributes, "scene_path");
-        std::error_code gone;
-        return there == nullptr || std::filesystem::equivalent(*there, path, gone) || gone;
-    };
-}
-
 /// Checks the command line and the output paths before the work begins. A checkpoint beside the record belongs to a run that can be
 /// resumed.
-engine::Permit require_places(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
+engine::OutputFile require_places(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
     const std::string checkpoint = checkpoint_path(arguments, scene, file);
     if (arguments.checkpoint_every) static_cast<void>(seconds_of("--checkpoint-every", *arguments.checkpoint_every));
     const bool kept = arguments.checkpoint_every || !file.empty();
     if (kept && !arguments.force) keep_checkpoint(checkpoint);
-    engine::Permit permit(file, scene_rule("record of the scene", record_of(scene), scene, !arguments.output.empty(), arguments.force));
+    engine::OutputFile record = output_file(file, !arguments.output.empty(), arguments.force);
+    engine::require_place(record, input_files(scene));
     if (arguments.checkpoint_every) require_checkpoint_place(checkpoint, file, input_files(scene));
     if (kept && arguments.force) forget_checkpoint(checkpoint, input_files(scene));
-    say(arguments.quiet, permit.notice());
-    return permit;
-}
-
-/// Identity of the run whose record exists and will be replaced; empty: none.
-std::string run_replaced(const engine::Permit& record) {
-    if (record.notice().empty()) return {};
-    try {
-        return tasks::run_of_record(record.path());
-    } catch (const engine::RecordError&) {
-        return {};  // another file
-    }
+    say(arguments.quiet, replacing(file));
+    return record;
 }
 
 std::string record_text(const std::string& path) {
@@ -92,14 +69,13 @@ std::string machine_text() {
                                         here.instruction_set));
 }
 
-tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& scene, const engine::Permit& file) {
+tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& scene, const engine::OutputFile& file) {
     ProgressDisplay display(arguments.quiet, tasks::latest_end(scene));
     tasks::RunOptions options = display.options();
     options.file = file;
-    options.replaces = run_replaced(file);
     if (arguments.checkpoint_every) {
         options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.checkpoint_every);
-        options.checkpoint = checkpoint_path(arguments, scene, file.path());
+        options.checkpoint = checkpoint_path(arguments, scene, file.path);
     }
     options.notice = [](const std::string& text) { print_error(text); };
     return tasks::run_scene(scene, options);
@@ -109,8 +85,8 @@ ExitStatus run(const RunArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     say(arguments.quiet, loaded.notice);
     const std::string file = record_path(arguments, loaded.scene);
-    const engine::Permit permit = require_places(arguments, loaded.scene, file);
-    const tasks::RunReport report = simulate(arguments, loaded.scene, permit);
+    const engine::OutputFile record = require_places(arguments, loaded.scene, file);
+    const tasks::RunReport report = simulate(arguments, loaded.scene, record);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}{}", loaded.scene.name, tasks::summary(report), machine_text(), field("record", record_text(file)));
     } else if (report.fault) {
@@ -137,9 +113,10 @@ ExitStatus settle(SettleArguments& arguments) {
     if (start.layout != model::StartLayout::belt || start.settling_time <= 0.0) {
         throw tasks::SceneError(fmt::format("{}: nothing to settle: start.layout is \"ring\" or start.settling_time is 0", scene.name));
     }
-    const engine::Permit permit(file, state_rule(scene, !arguments.output.empty(), arguments.force));  // before settling, not after it
-    say(arguments.quiet, permit.notice());
-    const double balance_error_ratio = tasks::settle_scene(scene, permit, ProgressDisplay(arguments.quiet, 0.0).options());
+    const engine::OutputFile state = output_file(file, !arguments.output.empty(), arguments.force);
+    engine::require_place(state, input_files(scene));  // before settling, not after it
+    say(arguments.quiet, replacing(file));
+    const double balance_error_ratio = tasks::settle_scene(scene, state, ProgressDisplay(arguments.quiet, 0.0).options());
     const ExitStatus status = balance_error_ratio <= 1.0 ? ExitStatus::finished : ExitStatus::unreliable;
     if (status == ExitStatus::unreliable) {
         print_error(
@@ -196,8 +173,7 @@ Action declare_run(CLI::App& app) {
 Action declare_settle(CLI::App& app) {
     const auto arguments = std::make_shared<SettleArguments>();
     declare_scene(app, arguments->scene);
-    app.add_option("-o,--output", arguments->output,
-                   "State file to write; must not exist (default: SCENE_state.h5, replaced with a notice)")
+    app.add_option("-o,--output", arguments->output, "State file to write; must not exist (default: SCENE_state.h5)")
         ->type_name("STATE.h5");
     app.add_flag("--force", arguments->force, force_meaning);
     declare_shortcut(app, arguments->scene, "--time", "start.settling_time", "TIME");
