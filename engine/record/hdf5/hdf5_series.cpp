@@ -39,6 +39,7 @@ Handle create_series(hid_t file, const SeriesShape& shape) {
     check(H5Pset_create_intermediate_group(links.id(), 1), what);
     const Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, what);
     check(H5Pset_chunk(layout.id(), rank, chunk.data()), what);
+    check(H5Pset_fletcher32(layout.id()), what);
     if (H5Tget_class(shape.type) == H5T_FLOAT) {
         const double missing = std::numeric_limits<double>::quiet_NaN();
         check(H5Pset_fill_value(layout.id(), H5T_NATIVE_DOUBLE, &missing), what);
@@ -48,11 +49,6 @@ Handle create_series(hid_t file, const SeriesShape& shape) {
 
 Handle open_series(hid_t file, const std::string& path) {
     return {H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "cannot open '" + path + "'"};
-}
-
-void write_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data) {
-    const RowSpaces spaces(dataset, width == 0 ? 1 : 2, before, rows, width, "cannot write");
-    check(H5Dwrite(dataset, type, spaces.memory.id(), spaces.file.id(), H5P_DEFAULT, data), "cannot write");
 }
 
 Series::Series(hid_t file, std::string path, Cells cells, int max_rank) : path_(std::move(path)) {
@@ -136,52 +132,82 @@ int require_record_type(hid_t type, const std::string& what) {
 
 void RowBlock::add(Handle dataset, const SeriesShape& shape) {
     const std::size_t row_bytes = H5Tget_size(shape.type) * shape.width;
-    members_.push_back({std::move(dataset), shape.type, shape.flat ? 0 : shape.width, shape.chunk, row_bytes,
-                        std::make_unique_for_overwrite<std::byte[]>(row_bytes * capacity_)});
+    members_.push_back(
+        {std::move(dataset), shape.width, row_bytes, std::make_unique_for_overwrite<std::byte[]>(row_bytes * capacity_)});
+    image_.resize(std::max(image_.size(), row_bytes * chunk_ + sizeof(std::uint32_t)));
 }
 
 void RowBlock::put(std::size_t member, const void* row) noexcept {
     Member& target = members_[member];
-    std::memcpy(target.rows.get() + buffered_ * target.row_bytes, row, target.row_bytes);
+    std::memcpy(target.rows.get() + (taken_ - first_) * target.row_bytes, row, target.row_bytes);
 }
 
 void RowBlock::write() {
-    if (buffered_ == 0) return;
-    for (const Member& member : members_) {
-        const hid_t dataset = member.dataset.id();
-        if (&member == &members_.back() && members_.size() > 1) check(H5Fflush(dataset, H5F_SCOPE_LOCAL), "cannot write");
-        write_member(member);
-    }
-    check(H5Dflush(members_.back().dataset.id()), "cannot write");
-    written_ += buffered_;
-    buffered_ = 0;
+    if (buffered() > 0) write(false);
 }
 
-/// Whole chunks go past HDF5's cache, which would take memory for each of them and copy it.
-void RowBlock::write_member(const Member& member) const {
+void RowBlock::complete() {
+    if (taken_ > first_) write(true);
+}
+
+void RowBlock::write(bool complete) {
+    for (const Member& member : members_) {
+        if (&member == &members_.back() && members_.size() > 1) check(H5Fflush(member.dataset.id(), H5F_SCOPE_LOCAL), "cannot write");
+        write_member(member, complete);
+    }
+    check(H5Dflush(members_.back().dataset.id()), "cannot write");
+    const std::size_t begun = taken_ - taken_ % chunk_ - first_;  // what lies before the chunk that is not full
+    for (const Member& member : members_)
+        std::memmove(member.rows.get(), member.rows.get() + begun * member.row_bytes, (taken_ - first_ - begun) * member.row_bytes);
+    first_ += begun;
+    written_ = taken_;
+}
+
+/// Chunks go past HDF5's cache, which would take memory for each of them and copy it.
+void RowBlock::write_member(const Member& member, bool complete) {
+    constexpr std::uint32_t without_checksum = 1;  // mask of filters that are left out
     const hid_t dataset = member.dataset.id();
-    const std::size_t end = written_ + buffered_;
-    const std::array<hsize_t, 2> extent{end, member.width};
+    const std::array<hsize_t, 2> extent{taken_, member.width};
     check(H5Dset_extent(dataset, extent.data()), "cannot write");
-    for (std::size_t row = written_; row < end;) {
-        const std::byte* data = member.rows.get() + (row - written_) * member.row_bytes;
-        const std::size_t next = member.chunk == 0 ? end : std::min(end, (row / member.chunk + 1) * member.chunk);
+    const std::size_t size = chunk_ * member.row_bytes;
+    for (std::size_t row = first_; row < taken_; row += chunk_) {
+        const std::size_t rows = std::min(chunk_, taken_ - row);
+        std::fill(image_.begin(), image_.end(), std::byte{0});
+        std::memcpy(image_.data(), member.rows.get() + (row - first_) * member.row_bytes, rows * member.row_bytes);
+        const bool summed = complete || rows == chunk_;
+        const std::uint32_t sum = fletcher32(std::span(image_).first(size));
+        if (summed) std::memcpy(image_.data() + size, &sum, sizeof sum);  // little-endian, as all processors of this program
         const std::array<hsize_t, 2> first{row, 0};
-        if (member.chunk != 0 && next - row == member.chunk)
-            check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, first.data(), member.chunk * member.row_bytes, data), "cannot write");
-        else
-            write_rows(dataset, member.type, member.width, row, next - row, data);
-        row = next;
+        check(H5Dwrite_chunk(dataset, H5P_DEFAULT, summed ? 0 : without_checksum, first.data(), size + (summed ? sizeof sum : 0),
+                             image_.data()),
+              "cannot write");
     }
 }
 
 std::size_t RowBlock::growth() const noexcept {
-    if (buffered_ == 0) return 0;
-    // One chunk per dataset at most (rows in memory never straddle a chunk's end), and its share of the chunk index.
+    if (buffered() == 0) return 0;
+    // A chunk per dataset more than the memory has, as the last one may get another place, and their share of the chunk index.
     constexpr std::size_t index_share = 8192;
     std::size_t bytes = 0;
-    for (const Member& member : members_) bytes += member.row_bytes * capacity_ + index_share;
+    for (const Member& member : members_) bytes += member.row_bytes * (capacity_ + chunk_) + index_share;
     return bytes;
+}
+
+std::uint32_t fletcher32(std::span<const std::byte> bytes) noexcept {
+    std::uint32_t low = 0, high = 0;
+    const auto fold = [](std::uint32_t sum) { return (sum & 0xffffU) + (sum >> 16U); };
+    constexpr std::size_t longest = 720;  // of which sums of 32 bits do not overflow [byte]
+    for (; !bytes.empty(); bytes = bytes.subspan(std::min(longest, bytes.size()))) {
+        const auto part = bytes.first(std::min(longest, bytes.size()));
+        for (std::size_t k = 0; k < part.size(); k += 2) {
+            low += std::to_integer<std::uint32_t>(part[k]) << 8U;
+            if (k + 1 < part.size()) low += std::to_integer<std::uint32_t>(part[k + 1]);
+            high += low;
+        }
+        low = fold(low);
+        high = fold(high);
+    }
+    return (fold(high) << 16U) | fold(low);
 }
 
 }  // namespace cvtflow::engine::hdf5

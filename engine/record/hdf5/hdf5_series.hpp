@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,10 +26,6 @@ struct SeriesShape {
 
 /// Opens a dataset without checks, to append to it. Throws Failure("cannot open '<path>': reason").
 [[nodiscard]] Handle open_series(hid_t file, const std::string& path);
-
-/// Writes rows of a dataset that is long enough. @param width  elements per row of [rows, width]; 0: [rows]   @param before  rows before
-/// them. Throws Failure.
-void write_rows(hid_t dataset, hid_t type, std::size_t width, std::size_t before, std::size_t rows, const void* data);
 
 /// Required type of elements.
 enum class Cells { reals, bytes, records };  ///< float64; 8-bit integers; compounds of 8-byte numbers
@@ -71,28 +68,33 @@ private:
 /// Throws Failure for a compound that is made of anything but 8-byte numbers. @return its members
 int require_record_type(hid_t type, const std::string& what);
 
-/// Rows of several datasets of equal length. Memory for one chunk of rows is taken at construction; put() and advance() never allocate.
+/// Rows of several datasets of equal length and chunks. Memory for rows is taken at construction; put() and advance() never allocate.
 ///
 /// The last dataset added (the time) is written after the others have been flushed, so its length never promises rows that a reader
 /// of a killed run's file would not find.
+///
+/// Each chunk is written as a whole, with its Fletcher-32 checksum, which every program that uses HDF5 verifies. A chunk that is not full
+/// yet has none, until complete(): a kill while it is written again leaves every byte old or new, and its rows readable.
 class RowBlock {
 public:
     RowBlock() = default;
-    /// @param capacity rows per chunk of every dataset of this block
-    explicit RowBlock(std::size_t capacity) : capacity_(capacity) {}
+    /// @param capacity rows in memory   @param chunk rows per chunk of every dataset of this block, at most `capacity`
+    RowBlock(std::size_t capacity, std::size_t chunk) : capacity_(capacity), chunk_(chunk) {}
 
-    /// Takes an open, empty dataset. Throws Failure.
+    /// Takes an open, empty dataset.
     void add(Handle dataset, const SeriesShape& shape);
     /// Copies one row of one dataset into memory.
     void put(std::size_t member, const void* row) noexcept;
     /// Completes the row of which every member has been put.
-    void advance() noexcept { ++buffered_; }
-    /// Whether the memory reaches the end of the file's present chunk: write() before the next put().
-    [[nodiscard]] bool full() const noexcept { return (written_ + buffered_) % capacity_ == 0 && buffered_ > 0; }
+    void advance() noexcept { ++taken_; }
+    /// Whether the memory is full: write() before the next put().
+    [[nodiscard]] bool full() const noexcept { return taken_ - first_ == capacity_; }
     /// Hands all rows in memory to HDF5 and from there to the operating system. Throws Failure; the block is then unusable.
     void write();
+    /// Writes the checksum of the last chunk. No row may follow. Throws Failure.
+    void complete();
 
-    [[nodiscard]] std::size_t buffered() const noexcept { return buffered_; }
+    [[nodiscard]] std::size_t buffered() const noexcept { return taken_ - written_; }
     [[nodiscard]] std::size_t written() const noexcept { return written_; }
     /// Largest growth of the file by write() [byte]; 0 if nothing is buffered.
     [[nodiscard]] std::size_t growth() const noexcept;
@@ -100,18 +102,19 @@ public:
 private:
     struct Member {
         Handle dataset;
-        hid_t type;
-        std::size_t width;  ///< 0: [rows]
-        std::size_t chunk;  ///< rows of a chunk
-        std::size_t row_bytes;
-        std::unique_ptr<std::byte[]> rows;
+        std::size_t width, row_bytes;
+        std::unique_ptr<std::byte[]> rows;  ///< [capacity * row_bytes], and room for the checksum of a chunk
     };
-    void write_member(const Member& member) const;
+    void write(bool complete);
+    void write_member(const Member& member, bool complete);
 
     std::vector<Member> members_;
-    std::size_t capacity_ = 1;
-    std::size_t buffered_ = 0;
-    std::size_t written_ = 0;
+    std::vector<std::byte> image_;  ///< a chunk as it is in the file
+    std::size_t capacity_ = 1, chunk_ = 1;
+    std::size_t first_ = 0, written_ = 0, taken_ = 0;  ///< rows: the first in memory, which begins a chunk; in the file; all
 };
+
+/// Checksum of bytes as HDF5's filter "fletcher32" stores it behind them.
+[[nodiscard]] std::uint32_t fletcher32(std::span<const std::byte> bytes) noexcept;
 
 }  // namespace cvtflow::engine::hdf5

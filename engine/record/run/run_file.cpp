@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t spare_run_bytes = 65536;
 
 hdf5::RowBlock open_block(hid_t file, const hdf5::BlockShape& shape) {
-    hdf5::RowBlock block(shape.rows);
+    hdf5::RowBlock block(shape.rows, shape.series.empty() ? 1 : shape.series.front().chunk);
     for (const hdf5::SeriesShape& series : shape.series) block.add(hdf5::open_series(file, series.path), series);
     return block;
 }
@@ -113,10 +113,10 @@ struct RunFile::Impl {
         }
     }
 
-    void write(hdf5::RowBlock& block) {
-        if (block.buffered() == 0) return;
+    void write(hdf5::RowBlock& block, bool last = false) {
+        if (block.buffered() == 0 && !last) return;
         make_room(block.growth());
-        or_damage([&] { block.write(); });
+        or_damage([&] { last ? block.complete() : block.write(); });
         if (&block == &channels) saved_time = last_time;
     }
 
@@ -128,11 +128,12 @@ struct RunFile::Impl {
             hdf5::guarded(part.path(), [&] { write(block); });
     }
 
-    void flush() {
-        hdf5::guarded(part.path(), [this] {
-            write(channels);
-            write(states);
-            for (hdf5::RowBlock& table : tables) write(table);
+    /// @param last no row follows
+    void flush(bool last = false) {
+        hdf5::guarded(part.path(), [this, last] {
+            write(channels, last);
+            write(states, last);
+            for (hdf5::RowBlock& table : tables) write(table, last);
             or_damage([this] { hdf5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "cannot write"); });
         });
         if (const int reason = part.sync(); reason != 0) fail(std::strerror(reason));
@@ -192,7 +193,7 @@ RunFile::~RunFile() {
     const std::string status = impl_->status.empty() ? "interrupted" : impl_->status;
     try {
         impl_->require_open();
-        impl_->flush();
+        impl_->flush(true);
     } catch (const std::exception&) {
         // The rows that found no room are lost; those before them are in the file.
     }
@@ -267,7 +268,7 @@ void RunFile::take_place() {
 
 void RunFile::close() {
     impl_->require_open();
-    impl_->flush();
+    impl_->flush(true);
     impl_->finish(impl_->status.empty() ? "finished" : impl_->status);
     impl_->part.publish();
 }

@@ -76,6 +76,29 @@ TEST_F(RunFileTest, GivesBackEveryRowAcrossManyChunksAndFlushes) {
     EXPECT_EQ(reader.last("links/tension"), (std::vector<double>{9990, 9991, 9992}));
 }
 
+/// Which h5py verifies, as every program does that uses HDF5. A chunk that is still growing has none.
+TEST_F(RunFileTest, HasAChecksumInEachFullChunkAndInTheLastOnceItIsFinished) {
+    const std::string masks =
+        "import h5py, sys\n"
+        "f = h5py.File(sys.argv[1], \"r\", swmr=True, locking=False); d = f[\"channels/links/tension\"].id\n"
+        "print([d.get_chunk_info(k).filter_mask for k in range(d.get_num_chunks())], f[\"channels/ratio\"][-1])";
+    RunFile file(path("out.h5"), example_contents(), {.channel_rows = 16});
+    for (int i = 0; i < 20; ++i) append_example(file, i);
+    file.flush();
+    EXPECT_EQ(python(masks, path("out.h5.part")), "[0, 1] -19.0\n");
+    for (int i = 20; i < 40; ++i) append_example(file, i);
+    file.close();
+    EXPECT_EQ(python(masks, path("out.h5")), "[0, 0, 0] -39.0\n");
+    const std::string flipped =
+        "import h5py, sys\n"
+        "f = h5py.File(sys.argv[1], \"r\"); at = f[\"channels/ratio\"].id.get_chunk_info(2).byte_offset; f.close()\n"
+        "b = bytearray(open(sys.argv[1], \"rb\").read()); b[at + 9] ^= 4; open(sys.argv[1], \"wb\").write(b)\n"
+        "d = h5py.File(sys.argv[1], \"r\")[\"channels/ratio\"]; print(d[31])\n"
+        "try: d[32]\n"
+        "except OSError as error: print(\"checksum\" in str(error) or \"filter\" in str(error))";
+    EXPECT_EQ(python(flipped, path("out.h5")), "-31.0\nTrue\n");
+}
+
 TEST_F(RunFileTest, ReportsInterruptedOrWhatEndedTheRunAndKeepsThePartIfItIsNotClosed) {
     {
         RunFile file(path("out.h5"), example_contents());
