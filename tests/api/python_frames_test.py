@@ -341,6 +341,9 @@ class Sweeps(Folder):
             cvtflow.fit(scene, {key: (0.06, 0.12)}, {"load.torque": load})
         with self.assertRaisesRegex(ValueError, "not below"):
             cvtflow.fit(scene, {key: (0.12, 0.06)}, {"load.torque": load, scalar: truth})
+        for wrong in ({"level": 2.0}, {"step": float("nan")}, {"deviations": {scalar: -1.0}}, {"deviations": {"unknown": 1.0}}):
+            with self.assertRaises(ValueError):
+                cvtflow.fit(scene, {key: (0.06, 0.12)}, {"load.torque": load, scalar: truth}, **wrong)
 
     @scipy_only
     def test_measured_data_of_csv_and_mat_are_the_same_numbers_in_si(self):

@@ -321,6 +321,7 @@ class Check(Program):
                      "control has to add -.* kN to clamping.driving, its authority is 10 kN: change one of both")
         self.has(self.out("check manoeuvre"), "not sized           a controller of slip makes S_2 in the run")
         for line, text in (("tiny --for-torque '3 kN'", "--for-torque 3 kN: expected a torque"),
+                           ("tiny --for-torque '1e308 Nm'", "--for-torque 1e308 Nm: expected a torque"),
                            ("free_ring --for-torque '3 Nm'", "--for-torque: free_ring: it has no pulleys"), ("tiny --safety 2",
                                                                                                              "--for-torque")):
             self.has(self.err(f"check {line}", (1, 2)), text)

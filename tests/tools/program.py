@@ -79,6 +79,14 @@ def channel(record, name):
         return file[name if name.startswith("/") else "channels/" + name][:]
 
 
+def contents(record):
+    """Everything that a record holds but when and how long it ran, as bytes: some channels have no number where no energy flows."""
+    with h5py.File(record, "r") as file:
+        found = {"status": file.attrs["status"], "state_hash": file.attrs["state_hash"]}
+        file.visititems(lambda name, each: found.update({name: each[:].tobytes()}) if isinstance(each, h5py.Dataset) else None)
+        return found
+
+
 def attribute(file, name):
     with h5py.File(file, "r", locking=False) as opened:
         value = opened.attrs[name]

@@ -35,15 +35,6 @@ std::string unique_name(const std::string& what) {
     return "cvtflow_" + what + "_" + std::to_string(getpid()) + "_" + std::to_string(number++);
 }
 
-/// A folder for files of a fixture, until the process ends.
-struct SharedFolder {
-    SharedFolder() { fs::create_directory(path); }
-    ~SharedFolder() { fs::remove_all(path); }
-    SharedFolder(const SharedFolder&) = delete;
-    SharedFolder& operator=(const SharedFolder&) = delete;
-    const fs::path path = fs::temp_directory_path() / unique_name("files");
-};
-
 void redirect(const fs::path& file, int descriptor) {
     const int target = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     if (target < 0 || dup2(target, descriptor) < 0) _exit(126);
@@ -97,13 +88,6 @@ Words command_line(Words words) {
 
 }  // namespace
 
-std::string preload(const fs::path& library) {
-    static const SharedFolder folder;
-    const fs::path name = folder.path / library.filename();
-    if (!fs::exists(name)) fs::create_symlink(library, name);
-    return "LD_PRELOAD=" + name.string();
-}
-
 Child::Child(std::vector<std::string> arguments, const fs::path& folder, const std::vector<std::string>& environment, unsigned seconds)
     : out_(fs::temp_directory_path() / unique_name("out")), err_(fs::temp_directory_path() / unique_name("err")) {
     arguments = command_line(std::move(arguments));
@@ -145,11 +129,6 @@ Words set_all(const Words& settings) {
     return words;
 }
 
-Words run_to_be_ended(const std::string& record) {
-    return Words{"run", "tiny", "-o", record, "-q", "--until", "0.2 ms", "--step", "50 ns"} +
-           set_all({"start.settling_time=100us", "start.ramp_time=50us", "run.schedule=serial"});
-}
-
 Program::Program() : folder_(fs::temp_directory_path() / ("cvtflow_test_" + std::to_string(getpid()))) {
     fs::remove_all(folder_);  // of a test with the same process number that was killed
     fs::create_directory(folder_);
@@ -164,33 +143,10 @@ Outcome Program::run(const std::vector<std::string>& arguments, const std::vecto
     return Child(arguments, folder_, environment).wait();
 }
 
-void Program::made_once(const std::string& files, const std::function<void()>& make) const {
-    static std::map<std::string, SharedFolder> kept;
-    constexpr auto all = fs::copy_options::recursive | fs::copy_options::copy_symlinks | fs::copy_options::overwrite_existing;
-    if (const auto made = kept.find(files); made != kept.end()) return fs::copy(made->second.path, folder_, all);
-    make();
-    if (!HasFailure()) fs::copy(folder_, kept[files].path, all);
-}
-
 void Program::write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name, std::ios::binary) << text; }
 
 std::string Program::read(const std::string& name) const { return contents(folder_ / name); }
 
 bool Program::exists(const std::string& name) const { return fs::exists(folder_ / name); }
-
-std::string Program::hash_in(const std::string& text, const std::string& name) {
-    const auto at = text.find(name);
-    return at == std::string::npos ? "none" : text.substr(text.find_first_not_of(' ', at + name.size()), 16);
-}
-
-void Sweeps::write_sweep(const std::string& torques, const std::string& until, const std::string& more) const {
-    write("sweep.toml", "[sweep]\nscene = \"tiny\"\n[set]\nrun.until = \"" + until +
-                            "\"\nrun.step = \"50 ns\"\nstart.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\"\n[[axes]]\nkey = "
-                            "\"load.torque\"\nvalues = [" +
-                            torques +
-                            "]\n[[axes]]\nkey = \"clamping.driven\"\nfrom = \"5 kN\"\nto = \"6 kN\"\ncount = 4\n[outputs]\n"
-                            "scalars = [\"slip mean\", \"tight_tension max\", \"ratio at 20 us\"]\n[start]\nmode = \"settle\"\n" +
-                            more);
-}
 
 }  // namespace cvtflow::tools

@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import signal
-import time
 from pathlib import Path
 
 import numpy as np
@@ -321,22 +320,6 @@ class SharedSweep(Program):
             fcntl.flock(file, fcntl.LOCK_EX)
             fcntl.lockf(file, fcntl.LOCK_EX)
         self.assertEqual(hash_in(self.batch().out), whole)
-
-    def test_goes_on_beside_a_frozen_process_which_may_come_back(self):
-        """The frozen one lives, so its case is waited for; when it comes back, all is as ever."""
-        write_sweep("6, 9, 12", "0.2 ms")
-        whole = hash_in(self.batch(folder="whole").out)
-        frozen = self.start_worker()
-        self.assertTrue(eventually(lambda: len(cases_of("out")) >= 1))
-        child = int(read(f"/proc/{frozen.pid}/task/{frozen.pid}/children").split(" ")[0])
-        os.kill(child, signal.SIGSTOP)
-        other = self.start_worker()
-        self.assertTrue(eventually(lambda: len(cases_of("out")) >= 11))
-        time.sleep(0.3)
-        self.assertIsNone(other.poll(), "it waits for the last case")
-        os.kill(child, signal.SIGCONT)
-        self.assertEqual([hash_in(self.wait(each).out) for each in (frozen, other)], [whole, whole])
-
 
 class LostRows(Program):
     def test_of_cases_which_others_started_from_run_them_all_again(self):
