@@ -58,6 +58,12 @@ def fit(scene: Scene | str, parameters: Mapping[str, tuple[Any, Any]], measured:
     columns = {**points, **targets}
     if not points or not targets or len({len(each) for each in columns.values()}) != 1:
         raise ValueError("measured: one key of the scene or more, and one scalar or more, of equal lengths")
+    if not all(np.isfinite(each).all() for each in columns.values()):
+        raise ValueError("measured: a value is not finite")
+    if not (0.0 < level < 1.0 and 0.0 < step < 1.0):
+        raise ValueError("level and step: numbers between 0 and 1")
+    if not all(name in targets and np.all(np.asarray(value) > 0.0) for name, value in (deviations or {}).items()):
+        raise ValueError("deviations: positive numbers by the names of measured scalars")
     if not hasattr(parameters, "values") or not all(isinstance(ends, (tuple, list)) and len(ends) == 2 for ends in parameters.values()):
         raise TypeError('parameters: least and largest value by key, such as {"tip.friction_coefficient": (0.05, 0.14)}')
     keys = [resolve(scene, name) for name in parameters]

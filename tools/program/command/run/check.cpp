@@ -93,7 +93,9 @@ std::string largest_step_line(const tasks::Scene& scene, const tasks::Simulation
 double torque_of(const std::string& text) {
     const auto parsed = tasks::parse_quantity(text);
     const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
-    if (quantity == nullptr || quantity->value == 0.0 || (quantity->has_unit && quantity->dimension != tasks::dimension_of("N*m")))
+    constexpr double largest = 1e6;  // [N*m]
+    if (quantity == nullptr || quantity->value == 0.0 || !(std::abs(quantity->value) <= largest) ||
+        (quantity->has_unit && quantity->dimension != tasks::dimension_of("N*m")))
         throw UsageError(fmt::format("--for-torque {}: expected a torque, such as \"220 N*m\"", text));
     return quantity->value;
 }
