@@ -1,6 +1,6 @@
 """What happens by accident to files, as one table of a command and an accident: kill -9, a power cut, a full disk, a call that fails, a
-flipped bit, two commands at one name, a frozen worker, a clock that is set back. Each command ends with a message, or with the result of one
-that nothing disturbed, or goes on to it; what was there stays. Files of others at a name: tests/tools/files_test.py."""
+flipped bit, two commands at one name, a frozen worker, a clock that is set back. Each command ends with a message, or with the result of
+one that nothing disturbed, or goes on to it; what was there stays. Files of others at a name: tests/tools/files_test.py."""
 
 import itertools
 import os
@@ -30,12 +30,13 @@ mount -o remount,size=1g . && bash -c "$ON" >../log 2>&1 || { cat ../log >&2; ex
 cp -r . ../after"""
 POWER = BUILD / "tests/libcvtflow_power.so"
 # Files of a user in the folder of a sweep.
-MINE = ("notes.txt", "claims/mine", "continuation/notes.md", "rows.csv", "results.txt", "records/mine.h5", "records/case-7.h5", "states/readme")
+MINE = ("notes.txt", "claims/mine", "continuation/notes.md", "rows.csv", "results.txt", "records/mine.h5", "records/case-7.h5",
+        "states/readme")
 
 
 class Disk:
     """What a power cut leaves of files, by the log of tests/faults/power.c. Of what was not synced nothing is left, names only with their
-    folder; journalled, as file systems do: a sync brings all names before it to disk, later ones follow in order, and of bytes some pages."""
+    folder; journalled, as file systems do: a sync brings all names before it to disk, later ones follow in order, of bytes some pages."""
 
     def __init__(self, folder, journalled):
         self.journalled, self.waiting = journalled, []
@@ -210,7 +211,8 @@ class _Works(Program):
             os.chdir(TOP)
             shutil.rmtree("work_before", ignore_errors=True)
             shutil.copytree("work", "work_before")
-            done = subprocess.run(["unshare", "-m" if os.geteuid() == 0 else "-rm", "bash", "-c", FULL_DISK], capture_output=True, text=True,
+            alone = "-m" if os.geteuid() == 0 else "-rm"
+            done = subprocess.run(["unshare", alone, "bash", "-c", FULL_DISK], capture_output=True, text=True,
                                   env=os.environ | {"CVTFLOW": str(PROGRAM), "LINE": f'"$CVTFLOW" {line}', "ON": on, "SIZE": size})
             if done.returncode == 77:
                 self.skipTest("no file system may be mounted here")

@@ -285,7 +285,7 @@ class PlotCommand(Program):
         for settings in ({"PYTHONPATH": here, "PYTHONHOME": here, "MATPLOTLIBRC": here, "MPLBACKEND": "module://evil", "PATH": here},
                          {"HOME": "/proc/none", "LANG": "de_DE.UTF-8", "LC_ALL": "de_DE.UTF-8"},
                          {"HOME": "", "LC_ALL": "C", "MPLCONFIGDIR": here}):
-            self.assertEqual(self.cvtflow("plot run.h5 slip -o p.svg", **settings).err, "")
+            self.assertEqual(self.cvtflow("plot run.h5 slip -o p.svg --force", **settings).err, "")
             self.assertEqual(read("p.svg"), drawn)
 
     def test_takes_paths_of_any_bytes(self):

@@ -7,8 +7,8 @@ import shutil
 import signal
 from pathlib import Path
 
-from program import (SETTLING, TO_BE_ENDED, Program, attribute, cases_of, channel, contents, eventually, hash_in, main, read, rows_of, write,
-                     write_sweep)
+from program import (SETTLING, TO_BE_ENDED, Program, attribute, cases_of, channel, contents, eventually, hash_in, main, read, rows_of,
+                     write, write_sweep)
 
 KILLED, STOPPED = 128 + signal.SIGKILL, 130
 BUDGET = "--checkpoint-every '1 h' --set run.max_steps=500"

@@ -169,9 +169,11 @@ std::string writer_of(const std::string& path) {
     std::error_code hidden;
     const fs::path file = fs::weakly_canonical(path, hidden);
     for (const fs::directory_entry& process : fs::directory_iterator("/proc", hidden)) {
+        const std::string number = process.path().filename().string();
+        if (number.find_first_not_of("0123456789") != std::string::npos) continue;  // also "self"
         std::error_code denied;
         for (fs::directory_iterator open(process.path() / "fd", denied), end; !denied && open != end; open.increment(denied))
-            if (fs::read_symlink(open->path(), hidden) == file) return "process " + process.path().filename().string();
+            if (fs::read_symlink(open->path(), hidden) == file) return "process " + number;
     }
     return "another process";
 }

@@ -53,7 +53,7 @@ def _csv(given, record):
 
     names = [name for word in given.channels for name in find(record, word, parts)]
     names = names or [name for name, column in record.info.items() if column.width == 1]
-    output = Output(given.csv, inputs=[given.record], force=given.force, named=True, devices=True)
+    output = Output(given.csv, inputs=[given.record], force=given.force)
     units = {name: record.info[name.partition("[")[0]].unit or "1" for name in names}
     kept = {}  # a channel is read once for all its elements
     columns = [record["time"]]
@@ -74,7 +74,7 @@ def _csv(given, record):
 def _vtk(given, record):
     from .. import _vtk as vtk
 
-    output = Output(given.vtk, inputs=[given.record], force=given.force, named=True)
+    output = Output(given.vtk, inputs=[given.record], force=given.force)
     if not len(record.states):
         raise ValueError(f"{record.path}: contains no states")
     if record.scene is None:

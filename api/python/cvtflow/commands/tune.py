@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ._columns import table
 from ._front import FORCE, UsageError, interruptible, matplotlib, require, say, visible
-from ._output import Output, beside, inputs_of, marked_output, mark_of, with_marks
+from ._output import Output, beside, inputs_of
 from ._scenes import declare_scene, load
 
 DESCRIPTION = "Find the cheapest detail, method and step for a target accuracy, by measuring"
@@ -152,7 +152,7 @@ def _picture(found):
         from .. import _figures, plots
 
         _figures.in_notebooks = False
-        return _figures.picture(plots.choices(found), "svg", mark_of("picture", found["scene"]))
+        return _figures.picture(plots.choices(found), "svg")
     except (ImportError, ValueError) as missing:
         say(f"no picture: {missing}")
         return None
@@ -166,30 +166,10 @@ def _outputs(given, scene):
     if not file.endswith(".toml"):
         raise UsageError(f"--write {file}: expected FILE.toml")
     inputs = [*inputs_of([given.scene if _scene.is_path(given.scene) else ""]), scene["start.state"]]
-    marks = with_marks(f"# {scene.name} for an accuracy of ", "# Made by cvtflow")
-    made = Output(file, f"scene that cvtflow tuned from '{scene.name}'", marks, inputs, given.force, named=bool(given.write))
-    picture = marked_output("picture", scene.name, beside(file, ".svg"), inputs, given.force)
-    state = Output(beside(file, ".h5"), f"state of the scene '{scene.name}'", state_of(scene.name), inputs, given.force)
+    made, picture, state = (Output(each, inputs, given.force) for each in (file, beside(file, ".svg"), beside(file, ".h5")))
     if made.notice and not given.quiet:
         say(made.notice)
     return made, picture, state
-
-
-def state_of(name):
-    """Whether a file is a state of a scene of that name."""
-    def own(path):
-        import h5py
-
-        from .. import Scene
-
-        try:
-            with h5py.File(path, "r", locking=False) as file:
-                text = file.attrs["scene"]
-                return Scene.parse(text.decode() if isinstance(text, bytes) else text).name == name and "channels" not in file
-        except (OSError, KeyError, ValueError):
-            return False
-
-    return own
 
 
 def _scene_text(found, scene, row, state):
@@ -225,7 +205,7 @@ def act(given):
             picture = _picture(found) if row or kinds else None
             if row:
                 _write(files, points, found, scene, row, picture)
-        _write_tables(given.output or "results", kinds, found, picture)
+        _write_tables(given, kinds, found, picture)
     if not row:
         return 4 if found["budget_used_up_by"] else 7
     judged = [max(each["errors"]) for each in found["unseen"] if each["errors"]]
@@ -248,12 +228,13 @@ def _write(files, points, found, scene, row, picture):
     print(_field("written", visible(written)), end="")
 
 
-def _write_tables(folder, kinds, found, picture):
+def _write_tables(given, kinds, found, picture):
+    folder = given.output or "results"
     whole, written = json.loads(json.dumps(found), parse_constant=lambda _: None), []
     for kind, data in (("csv", _csv(found).encode()), ("json", (json.dumps(whole, indent=1) + "\n").encode()), ("svg", picture)):
         if kind in kinds and data:
             os.makedirs(folder, exist_ok=True)
             path = os.path.join(folder, f"tune_{found['scene']}.{kind}")
-            Output(path, "table of cvtflow tune", lambda _: True).write(data)
+            Output(path, force=given.force, named=bool(given.output)).write(data)
             written.append(path)
     print(_field("written", visible(", ".join(written))) if written else "", end="")
