@@ -59,10 +59,11 @@ using Columns = ColumnsOf<double>;
 using FloatColumns = ColumnsOf<float>;
 
 /// Coefficients and solution of a ring of equations, in the order of RingShares (ring_solver.hpp): entry row · lanes + lane.
+template <class Real>
 struct RingRows {
-    double *rhs, *own, *back, *on;
-    double *upper, *lower;  ///< factors of the next row, and of the last row of the lane before
-    double* solution;
+    Real *rhs, *own, *back, *on;
+    Real *upper, *lower;  ///< factors of the next row, and of the last row of the lane before
+    Real* solution;
 };
 
 }  // namespace cvtflow::model

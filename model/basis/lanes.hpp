@@ -62,12 +62,12 @@ requires(is_native<W>) struct Lanes<W> {
     Lanes(double value) noexcept : v(static_cast<NumberOf<W>>(value) - Vector{}) {}
     Lanes(Vector vector) noexcept requires(W > 1) : v(vector) {}
     Lanes(const Lanes<half_width<W>>& first, const Lanes<half_width<W>>& second) noexcept requires(W > 1)
-        : v(native_join(first.v, second.v, std::make_integer_sequence<int, W>{})) {}
+        : v(native_join(first.v, second.v, std::make_integer_sequence<int, lane_count<W>>{})) {}
 
     [[nodiscard]] NumberOf<W> operator[](std::size_t lane) const noexcept { return lane_of(v, lane); }
     void set(std::size_t lane, NumberOf<W> value) noexcept { set_lane(v, lane, value); }
     [[nodiscard]] Lanes<half_width<W>> part(int which) const noexcept {
-        return native_half(v, which, std::make_integer_sequence<int, W / 2>{});
+        return native_half(v, which, std::make_integer_sequence<int, lane_count<W> / 2>{});
     }
     [[nodiscard]] bool at_most(double limit) const noexcept { return native_at_most(v, static_cast<NumberOf<W>>(limit)); }
 
@@ -115,13 +115,13 @@ inline void store_first(const Lanes<W>& lanes, NumberOf<W>* to, int count) noexc
 
 /// The lanes of both, those of `low` first.
 template <int W>
-[[nodiscard]] inline Lanes<2 * W> join(const Lanes<W>& low, const Lanes<W>& high) noexcept {
+[[nodiscard]] inline Lanes<double_width<W>> join(const Lanes<W>& low, const Lanes<W>& high) noexcept {
     return {low, high};
 }
 
-/// Lanes [0, W/2) or [W/2, W).
+/// The first half of the lanes, or the second.
 template <int W>
-[[nodiscard]] inline Lanes<W / 2> half(const Lanes<W>& lanes, int which) noexcept {
+[[nodiscard]] inline Lanes<half_width<W>> half(const Lanes<W>& lanes, int which) noexcept {
     return lanes.part(which);
 }
 
@@ -144,24 +144,25 @@ requires(is_native<W>) [[nodiscard]] inline Lanes<W> slide(const Lanes<W>& low, 
 /// Lanes from, from + 1, … of two vectors behind each other, 0 ≤ from < W.
 template <int from, int W>
 [[nodiscard, gnu::always_inline]] inline Lanes<W> lanes_across(const Lanes<W>& first, const Lanes<W>& second) noexcept {
-    if constexpr (W == native_lanes) {
+    if constexpr (is_native<W>) {
         return slide<W, from>(first, second);
     } else {
-        constexpr bool begins_low = from < W / 2;
-        constexpr int within = from % (W / 2);
+        constexpr int each = lane_count<W> / 2, within = from % each;
+        constexpr bool begins_low = from < each;
         const auto &a = begins_low ? first.low : first.high, &b = begins_low ? first.high : second.low,
                    &c = begins_low ? second.low : second.high;
-        return {lanes_across<within, W / 2>(a, b), lanes_across<within, W / 2>(b, c)};
+        return {lanes_across<within, half_width<W>>(a, b), lanes_across<within, half_width<W>>(b, c)};
     }
 }
 
 /// Lane k of row j to lane j of row k.
-/// @param rows [W]
-template <int W, int half = W / 2>
-requires(W <= native_lanes) inline void transpose(Lanes<W>* rows) noexcept {
+/// @param rows [lanes]
+template <int W, int half = lane_count<W> / 2>
+requires(is_native<W>) inline void transpose(Lanes<W>* rows) noexcept {
     if constexpr (half >= 1) {
-        for (int row = 0; row < W; ++row) {
-            if ((row & half) == 0) native_exchange<W, half>(rows[row].v, rows[row + half].v, std::make_integer_sequence<int, W>{});
+        constexpr auto lanes = std::make_integer_sequence<int, lane_count<W>>{};
+        for (int row = 0; row < lane_count<W>; ++row) {
+            if ((row & half) == 0) native_exchange<W, half>(rows[row].v, rows[row + half].v, lanes);
         }
         transpose<W, half / 2>(rows);
     }
@@ -252,6 +253,8 @@ template <int N>
 [[nodiscard]] inline Lanes<singles<N>> narrow(const Lanes<N>& lanes) noexcept {
     if constexpr (N == native_floats) {
         return native_narrow(lanes.low.v, lanes.high.v);
+    } else if constexpr (is_native<N>) {
+        return native_convert<singles<N>>(lanes.v);
     } else {
         return {narrow<N / 2>(lanes.low), narrow<N / 2>(lanes.high)};
     }
@@ -261,6 +264,8 @@ template <int N>
 [[nodiscard]] inline Lanes<N> widen(const Lanes<singles<N>>& floats) noexcept {
     if constexpr (N == native_floats) {
         return {Lanes<N / 2>(native_widen(floats.v, false)), Lanes<N / 2>(native_widen(floats.v, true))};
+    } else if constexpr (is_native<N>) {
+        return native_convert<N>(floats.v);
     } else {
         return {widen<N / 2>(floats.low), widen<N / 2>(floats.high)};
     }

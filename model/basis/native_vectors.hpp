@@ -36,6 +36,9 @@ using NumberOf = std::conditional_t<is_single<W>, float, double>;
 /// The tag of half as many lanes.
 template <int W>
 inline constexpr int half_width = is_single<W> ? singles<lane_count<W> / 2> : W / 2;
+/// The tag of twice as many lanes.
+template <int W>
+inline constexpr int double_width = is_single<W> ? W + lane_count<W> : 2 * W;
 /// Whether one vector of the processor holds them.
 template <int W>
 inline constexpr bool is_native = W > 0 && lane_count<W> <= (is_single<W> ? native_floats : native_lanes);
@@ -107,6 +110,12 @@ inline Native<native_lanes> native_widen(Floats v, bool second) noexcept {
     Native<native_lanes> doubles;
     for (std::size_t lane = 0; lane < native_lanes; ++lane) set_lane(doubles, lane, double(v[second ? native_lanes + lane : lane]));
     return doubles;
+}
+
+/// A vector of doubles as one of floats, or back, where both are one of the processor's.
+template <int W, class Vector>
+inline Native<W> native_convert(Vector v) noexcept {
+    return __builtin_convertvector(v, Native<W>);
 }
 
 #if defined(__x86_64__)
@@ -194,8 +203,8 @@ template <int W, int by, int... lane>
 /// Rows a and b of a matrix of blocks of half × half lanes: the blocks beside the diagonal change places.
 template <int W, int half, int... lane>
 inline void native_exchange(Native<W>& a, Native<W>& b, std::integer_sequence<int, lane...>) noexcept {
-    const Native<W> upper = __builtin_shufflevector(a, b, (lane / half % 2 == 0 ? lane : lane - half + W)...);
-    b = __builtin_shufflevector(a, b, (lane / half % 2 == 0 ? lane + half : lane + W)...);
+    const Native<W> upper = __builtin_shufflevector(a, b, (lane / half % 2 == 0 ? lane : lane - half + lane_count<W>)...);
+    b = __builtin_shufflevector(a, b, (lane / half % 2 == 0 ? lane + half : lane + lane_count<W>)...);
     a = upper;
 }
 

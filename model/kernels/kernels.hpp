@@ -9,6 +9,7 @@
 
 namespace cvtflow::model {
 
+template <class Real>
 struct RigidKernels;  // kernels of rigid pins
 
 /// Each is specialised in the source of its name, which is compiled once per instruction set.
@@ -16,15 +17,16 @@ template <Isa isa>
 ChainKernels chain_kernels() noexcept;
 template <Isa isa>
 FrictionKernels friction_kernels() noexcept;
-template <Isa isa>
-RigidKernels rigid_kernels() noexcept;
+template <Isa isa, class Real>
+RigidKernels<Real> rigid_kernels() noexcept;
 
 /// Functions of one instruction set.
 struct CompiledKernels {
     Isa isa;
     ChainKernels (*chain)() noexcept;
     FrictionKernels (*friction)() noexcept;
-    RigidKernels (*rigid)() noexcept;
+    RigidKernels<double> (*rigid)() noexcept;
+    RigidKernels<float> (*rigid_step)() noexcept;
 };
 /// Whatever this program contains, ascending. The build writes this list (compiled_kernels.cpp.in).
 [[nodiscard]] std::vector<CompiledKernels> compiled_kernels();

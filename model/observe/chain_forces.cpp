@@ -117,10 +117,10 @@ struct PlaneVector {
     double x, y;
 };
 
-[[nodiscard]] PlaneVector plane(const PlaneRow& rows, int entry) noexcept { return {rows.x[entry], rows.y[entry]}; }
+[[nodiscard]] PlaneVector plane(const auto& rows, int entry) noexcept { return {rows.x[entry], rows.y[entry]}; }
 
-void show_tips(const RigidInstant& now, int link, ChainForces& forces) {
-    const TipRows& rows = now.columns.tip;
+void show_tips(const auto& now, int link, ChainForces& forces) {
+    const auto& rows = now.columns.tip;
     for (int tip = 0; tip < tips_per_link; ++tip) {
         const std::size_t n = at_entry(tips_per_link * link + tip);
         forces.tip_normal[n] = now.of_tip(rows.normal, link, tip);
@@ -139,8 +139,8 @@ void show_tips(const RigidInstant& now, int link, ChainForces& forces) {
 }
 
 /// The pack's tension and yaw moment, shared by its two lumped plates.
-void show_plates(const RigidInstant& now, int link, ChainForces& forces) {
-    const RigidColumns& columns = now.columns;
+void show_plates(const auto& now, int link, ChainForces& forces) {
+    const auto& columns = now.columns;
     const PlaneVector twist = plane(columns.link.twist, link), t = plane(columns.line.direction, link);
     const double tension = columns.plate.tension[link], yaw = -(twist.x * t.x + twist.y * t.y);
     const double lever = std::sqrt(now.model.coefficients().plate_square), difference = lever > 0.0 ? yaw / lever : 0.0;
@@ -149,8 +149,8 @@ void show_plates(const RigidInstant& now, int link, ChainForces& forces) {
 }
 
 /// Forces by which the links press the halves of a pin together, across and along the bisector of their pitch lines.
-void show_joint(const RigidInstant& now, int pin, ChainForces& forces) {
-    const RigidColumns& columns = now.columns;
+void show_joint(const auto& now, int pin, ChainForces& forces) {
+    const auto& columns = now.columns;
     const PlaneVector before = plane(columns.link.pull, pin - 1), after = plane(columns.link.pull, pin);
     const PlaneVector bisector = plane(columns.rolling.bisector, pin), half{0.5 * (before.x + after.x), 0.5 * (before.y + after.y)};
     forces.joint_normal[at_entry(pin)] = std::max(0.0, -(half.x * bisector.x + half.y * bisector.y));
@@ -180,7 +180,8 @@ void observe_forces(const ChainModel& chain, const double* state, const LinkCont
 }
 
 /// Bending moments, and friction between the halves of a pin along its length, do not exist there and stay zero.
-void observe_forces(const ChainModel& chain, const RigidInstant& now, ChainForces& forces) {
+template <class Real>
+void observe_forces(const ChainModel& chain, const RigidInstantOf<Real>& now, ChainForces& forces) {
     clear(chain, forces);
     for (int link = 0; link < chain.layout().links; ++link) {
         if (chain.layout().pulley_size != 0) show_tips(now, link, forces);
@@ -188,6 +189,8 @@ void observe_forces(const ChainModel& chain, const RigidInstant& now, ChainForce
         show_joint(now, link, forces);
     }
 }
+template void observe_forces(const ChainModel& chain, const RigidInstantOf<double>& now, ChainForces& forces);
+template void observe_forces(const ChainModel& chain, const RigidInstantOf<float>& now, ChainForces& forces);
 
 namespace {
 

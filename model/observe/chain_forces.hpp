@@ -34,7 +34,8 @@ struct ChainForces {
 /// @param contacts results of ChainModel::observed_slopes for that state [links]   @param forces reuses its memory
 void observe_forces(const ChainModel& chain, const double* state, const LinkContact* contacts, ChainForces& forces);
 /// Forces of rigid pins.
-void observe_forces(const ChainModel& chain, const RigidInstant& now, ChainForces& forces);
+template <class Real>
+void observe_forces(const ChainModel& chain, const RigidInstantOf<Real>& now, ChainForces& forces);
 
 /// Layout of the states that halves_of() writes.
 [[nodiscard]] ChainLayout halves_layout(ChainLayout layout) noexcept;

@@ -30,7 +30,7 @@ void Observer::begin(double t) noexcept {
     observation_.guide = {};
     forces_known_ = false;
     state_ = nullptr;
-    rigid_.reset();
+    rigid_.emplace<std::monostate>();
 }
 
 const Observation& Observer::observe(double t, const double* state, const Phase* phases, const EvaluatedLinks* evaluated) noexcept {
@@ -41,10 +41,10 @@ const Observation& Observer::observe(double t, const double* state, const Phase*
     pulleys_ = state + at.pulley_begin();
     if (at.pulley_size != 0) variator_.pulleys().motions(pulleys_, scratch_.sheaves);
     if (const RigidChain* chain = variator_.chain().rigid()) {
-        rigid_.emplace(chain->evaluate(state, scratch_.sheaves));
-        total = rigid_->forces.account;
-        total.store(Energy::kinetic, rigid_->forces.kinetic);
-        observe_rigid(*rigid_);
+        const auto& now = rigid_.emplace<RigidInstantOf<double>>(chain->evaluate(state, scratch_.sheaves));
+        total = now.forces.account;
+        total.store(Energy::kinetic, now.forces.kinetic);
+        observe_rigid(now);
     } else {
         observe_halves(state, phases, evaluated != nullptr ? *evaluated : evaluate_halves(state, phases));
     }
@@ -56,9 +56,8 @@ const Observation& Observer::observe(double t, const RigidState& pins) noexcept 
     begin(t);
     pins.write_tail(tail_.data());
     pulleys_ = tail_.data();
-    rigid_.emplace(pins.instant());
     observation_.account = pins.forces.account;
-    observe_rigid(*rigid_);
+    observe_rigid(rigid_.emplace<RigidInstantOf<float>>(pins.instant()));
     return observation_;
 }
 
@@ -159,17 +158,17 @@ void Observer::observe_radii(const double* state, const Phase* phases) noexcept 
     }
 }
 
-void Observer::observe_rigid(const RigidInstant& now) noexcept {
-    const RigidColumns& columns = now.columns;
+void Observer::observe_rigid(const auto& now) noexcept {
+    const auto& columns = now.columns;
     Observation& o = observation_;
-    const double *all = columns.plate.tension, *damping = columns.damping.stretch;
+    const auto *all = columns.plate.tension, *damping = columns.damping.stretch;
     for (int link = 0; link < columns.pins(); ++link) o.tension[index_of(link)] = all[link] - damping[link];
     for (int tip = 0; tip < tips_per_link; ++tip) {
         for (int link = 0; link < columns.pins(); ++link)
             o.tip_axial[index_of(tips_per_link * link + tip)] = now.of_tip(columns.tip.sheave_axial, link, tip);
     }
     if (variator_.chain().coefficients().guide.present) {
-        const PlaneRow &at = columns.position.middle, &v = columns.velocity.middle;
+        const auto &at = columns.state_position.middle, &v = columns.state_velocity.middle;
         for (int pin = 0; pin < columns.pins(); ++pin) observe_guide(1.0, at.x[pin], at.y[pin], v.x[pin], v.y[pin]);
     }
     const RigidSums sums = now.sums();
@@ -194,8 +193,10 @@ void Observer::observe_rigid(const RigidInstant& now) noexcept {
 
 const ForceObservation& Observer::forces() {
     if (forces_known_ || pulleys_ == nullptr) return forces_;
-    if (rigid_)
-        observe_forces(variator_.chain(), *rigid_, forces_.chain);
+    if (const auto* in_doubles = std::get_if<1>(&rigid_))
+        observe_forces(variator_.chain(), *in_doubles, forces_.chain);
+    else if (const auto* of_step = std::get_if<2>(&rigid_))
+        observe_forces(variator_.chain(), *of_step, forces_.chain);
     else
         observe_forces(variator_.chain(), state_, seen_, forces_.chain);
     if (variator_.layout().pulley_size != 0) {

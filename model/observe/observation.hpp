@@ -2,7 +2,7 @@
 /// Observed quantities of one instant: speeds, torques, tensions, forces, energies and powers.
 
 #include <array>
-#include <optional>
+#include <variant>
 #include <vector>
 
 #include "model/observe/chain_forces.hpp"
@@ -98,7 +98,7 @@ private:
     void observe_links(const double* state, const Phase* phases) noexcept;    ///< reads halves. state [unknowns]
     void observe_strands(const double* state, const Phase* phases) noexcept;  ///< reads halves. state [unknowns]
     void observe_radii(const double* state, const Phase* phases) noexcept;    ///< reads halves. state [unknowns]
-    void observe_rigid(const RigidInstant& now) noexcept;
+    void observe_rigid(const auto& now) noexcept;
     void read_shafts(const double* behind) noexcept;  ///< reads shafts at observation_.time. behind [unknowns behind the links]
     void observe_pulleys() noexcept;
     /// A pin, or a part of one, at the guides. @param part ½ for a half   @param x, y [m]   @param vx, vy [m/s]
@@ -114,10 +114,11 @@ private:
     SheaveForces sheave_forces_{};       ///< forces of the chain
     Observation observation_;
     ForceObservation forces_;
-    const double* state_ = nullptr;      ///< state observed last; nullptr: rigid pins outside a state [unknowns]
-    const double* pulleys_ = nullptr;    ///< pulleys' block of the instant observed last; nullptr: none
-    std::optional<RigidInstant> rigid_;  ///< rigid pins observed last
-    bool forces_known_ = false;          ///< whether forces_ belongs to the instant observed last
+    const double* state_ = nullptr;    ///< state observed last; nullptr: rigid pins outside a state [unknowns]
+    const double* pulleys_ = nullptr;  ///< pulleys' block of the instant observed last; nullptr: none
+    /// Rigid pins observed last: none, those of a state, those of a step.
+    std::variant<std::monostate, RigidInstantOf<double>, RigidInstantOf<float>> rigid_;
+    bool forces_known_ = false;  ///< whether forces_ belongs to the instant observed last
 };
 
 }  // namespace cvtflow::model

@@ -32,86 +32,57 @@ struct PulleyBounds {
           tilt(std::max(std::abs(at_low.tilt_x) + std::abs(at_low.tilt_y), std::abs(at_high.tilt_x) + std::abs(at_high.tilt_y))) {}
 };
 
-/// Sixteen pins and the nearness of their tips to a sheave.
-class PinNearness {
-    static constexpr int W = rigid_singles;
-    using V = Lanes<W>;
-    using PlaneV = PlaneOf<W>;
-
-public:
-    PinNearness(const RigidColumns& columns, const PinBlocks<W>::Blocks& blocks) noexcept : pins_(columns, blocks) {}
-
-    /// Upper bound of the depth of each pin's tips until a time [s] later [m]: the sphere nearest to the axis against the flank nearest to
-    /// the pin.
-    [[nodiscard, gnu::always_inline]] DoublesOf<W> bound(const RigidCoefficients& c, const PulleyBounds (&pulleys)[2],
-                                                         double later) const noexcept {
-        const RigidRows& columns = pins_.columns();
-        const double rounding = 1e-6 * (c.middle + c.touching_radius);  // more than that of floats at these distances [m]
-        const PlaneV middle = read_rounded(columns.position.middle), end = read_rounded(columns.position.end),
-                     bend = read_rounded(columns.position.bend);
-        const auto of = [&](double PulleyBounds::*number) {
-            return select_greater<W>(middle.x, V(c.middle), V(pulleys[1].*number), V(pulleys[0].*number));
-        };
-        const auto size = [](const PlaneV& v) { return abs(v.x) + abs(v.y); };
-        const PlaneV axis{of(&PulleyBounds::x), of(&PulleyBounds::y)}, apart = V(0.5) * read_rounded(columns.rolling.offset);
-        const PlaneV arm = (middle - axis) + V(c.bend_lever) * bend;
-        const PlaneV front = arm + apart + V(c.outward) * outward(-1), rear = arm - apart + V(c.outward) * outward(0);
-        const V radius = sqrt(smaller<W>(dot(front, front), dot(rear, rear))), tilt = of(&PulleyBounds::tilt);
-        const V rise = V(c.outward / c.half_length) * (size(end) + V(c.bend_slope) * size(bend)) +
-                       V(0.5) * abs(convert<W>(pins_.read(columns.position.slide)));
-        const V z = convert<W>(pins_.read(columns.position.z)), low = z - of(&PulleyBounds::low), high = of(&PulleyBounds::high) - z;
-        const V beside = V(c.lever) * size(end) + of(&PulleyBounds::apart), off = larger<W>(abs(low), abs(high)) + V(c.radius * c.cosine);
-        const V a = radius - beside - tilt * (off + rise) - V(c.touching_radius);
-        const V h = smaller<W>(low, high) - rise - tilt * (radius + beside);
-        const V inwards = positive_part<W>(-dot(arm, read_rounded(columns.velocity.middle)) / radius),
-                aside = abs(convert<W>(pins_.read(columns.velocity.z)));
-        const V closer = V(later) * (V(c.sine) * inwards + V(c.cosine) * aside + V(unseen_speed));
-        return widened<W>(V(rounding) + closer - (V(c.sine) * a + V(c.cosine) * h));
-    }
-
-private:
-    [[nodiscard, gnu::always_inline]] PlaneV read_rounded(const PlaneRow& rows, int offset = 0) const noexcept {
-        return convert<W>(pins_.read(rows, offset));
-    }
-    [[nodiscard, gnu::always_inline]] PlaneV outward(int line) const noexcept {
-        const PlaneV t = read_rounded(pins_.columns().line.direction, line);
-        return {t.y, -t.x};
-    }
-
-    PinBlocks<W> pins_;
-};
+/// Upper bound of the depth of the tips of pins i … i + 7 until a time [s] later [m]: the sphere nearest to the axis against the flank
+/// nearest to the pin.
+[[nodiscard]] inline PinLanes depth_bound(const RigidCoefficients& c, const PulleyBounds (&pulleys)[2], double later,
+                                          const PinColumns& columns, int i) noexcept {
+    constexpr int W = pin_width;
+    using V = PinLanes;
+    const double rounding = 1e-6 * (c.middle + c.touching_radius);  // more than that of floats at these distances [m]
+    const Plane middle = read(columns.position.middle, i), end = read(columns.position.end, i), bend = read(columns.position.bend, i);
+    const auto of = [&](double PulleyBounds::*number) {
+        return select_greater<W>(middle.x, V(c.middle), V(pulleys[1].*number), V(pulleys[0].*number));
+    };
+    const auto size = [](const Plane& v) { return abs(v.x) + abs(v.y); };
+    const Plane behind = read(columns.line.direction, i - 1), ahead = read(columns.line.direction, i);
+    const Plane axis{of(&PulleyBounds::x), of(&PulleyBounds::y)}, apart = V(0.5) * read(columns.rolling.offset, i);
+    const Plane arm = (middle - axis) + V(c.bend_lever) * bend;
+    const Plane front = arm + apart - V(c.outward) * turned(behind), rear = arm - apart - V(c.outward) * turned(ahead);
+    const V radius = sqrt(smaller<W>(dot(front, front), dot(rear, rear))), tilt = of(&PulleyBounds::tilt);
+    const V rise =
+        V(c.outward / c.half_length) * (size(end) + V(c.bend_slope) * size(bend)) + V(0.5) * abs(read(columns.position.slide, i));
+    const V z = read(columns.position.z, i), low = z - of(&PulleyBounds::low), high = of(&PulleyBounds::high) - z;
+    const V beside = V(c.lever) * size(end) + of(&PulleyBounds::apart), off = larger<W>(abs(low), abs(high)) + V(c.radius * c.cosine);
+    const V a = radius - beside - tilt * (off + rise) - V(c.touching_radius), h = smaller<W>(low, high) - rise - tilt * (radius + beside);
+    const V inwards = positive_part<W>(-dot(arm, read(columns.velocity.middle, i)) / radius), aside = abs(read(columns.velocity.z, i));
+    const V closer = V(later) * (V(c.sine) * inwards + V(c.cosine) * aside + V(unseen_speed));
+    return V(rounding) + closer - (V(c.sine) * a + V(c.cosine) * h);
+}
 
 /// Sets `near` > 0 for pins that may touch until a time [s] later: those that pressed in the last step, and those that are not certainly
 /// free; at an instant (0) the latter alone.
-inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, double later, RigidColumns& columns) noexcept {
+inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, double later, PinColumns& columns) noexcept {
+    constexpr int W = pin_width;
+    using V = Lanes<W>;
     const PulleyBounds pulleys[] = {{c, sheaves[0], sheaves[1]}, {c, sheaves[2], sheaves[3]}};
-    const PinLanes one(1.0), none(0.0);
-    const auto pressed = [&](int i) {
-        PinLanes most = none;
-        for (const Row normal : columns.tip.normal) most = larger<rigid_lanes>(most, read(normal, i));
-        return later > 0.0 ? select_greater<rigid_lanes>(most, none, one, none) : none;
-    };
-    for (int i = 0; i < columns.padded(); i += 2 * rigid_lanes) {
-        const int next = std::min(i + rigid_lanes, columns.padded() - rigid_lanes);
-        PinLanes near[2] = {pressed(i), pressed(next)};
-        if (!all_at_most<rigid_lanes>(one - smaller<rigid_lanes>(near[0], near[1]), 0.0)) {
-            const DoublesOf<rigid_singles> bound =
-                PinNearness(columns, {PinBlock{i, rigid_lanes}, PinBlock{next, rigid_lanes}}).bound(c, pulleys, later);
-            near[0] = larger<rigid_lanes>(near[0], bound.low), near[1] = larger<rigid_lanes>(near[1], bound.high);
-        }
-        write(columns.tip.near, i, near[0]);
-        write(columns.tip.near, next, near[1]);
+    const V one(1.0), none(0.0);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        V most = none;
+        for (const PinReal* normal : columns.tip.normal) most = larger<W>(most, read(normal, i));
+        V near = later > 0.0 ? select_greater<W>(most, none, one, none) : none;
+        if (!all_at_most<W>(one - near, 0.0)) near = larger<W>(near, depth_bound(c, pulleys, later, columns, i));
+        write(columns.tip.near, i, near);
     }
     wrap(columns, columns.tip.near);
 }
 
 /// Whether none of eight pins is near.
-[[nodiscard, gnu::always_inline]] inline bool none_near(const double* near, int first) noexcept {
-    return all_at_most<rigid_lanes>(read(near, first), 0.0);
+[[nodiscard, gnu::always_inline]] inline bool none_near(const PinReal* near, int first) noexcept {
+    return all_at_most<pin_width>(read(near, first), 0.0);
 }
 
 /// First near pin after at least seven that are not near, so that blocks that begin there do not overlap; -1: none.
-[[nodiscard]] inline int first_near_pin(const double* near, int pins) noexcept {
+[[nodiscard]] inline int first_near_pin(const PinReal* near, int pins) noexcept {
     if (pins < 2 * rigid_lanes) return -1;
     int free = 0;
     for (int k = 0; k < pins + rigid_lanes;) {
@@ -125,75 +96,66 @@ inline void find_near_pins(const RigidCoefficients& c, const SheaveMotion* sheav
 }
 
 /// Sets the blocks that have all near pins.
-inline void choose_blocks(RigidColumns& columns) noexcept {
-    const double* near = columns.tip.near;
+inline void choose_blocks(PinColumns& columns) noexcept {
+    const PinReal* near = columns.tip.near;
     const int pins = columns.pins(), begin = first_near_pin(near, pins);
-    double* next = columns.tip.blocks + 1;
+    PinReal* next = columns.tip.blocks + 1;
     for (int k = 0; k < pins;) {
         const int at = std::max(begin, 0) + k, pin = at < pins ? at : at - pins;
         const bool skip = begin >= 0 && !(near[pin] > 0.0);
         k += skip && !none_near(near, pin) ? 1 : rigid_lanes;
-        if (!skip) *next++ = pin + 1;
+        if (!skip) *next++ = static_cast<PinReal>(pin + 1);
     }
-    *next = 0.0;
+    *next = PinReal(0);
 }
 
 /// Calls visit(block) for all blocks.
-template <class Visit>
-inline void over_blocks(const RigidColumns& columns, const Visit& visit) noexcept {
-    const double* const first = columns.tip.blocks + 1;
-    for (const double* at = first; *at > 0.0; ++at) {
+inline void over_blocks(const PinColumns& columns, const auto& visit) noexcept {
+    const PinReal* const first = columns.tip.blocks + 1;
+    for (const PinReal* at = first; *at > 0.0; ++at) {
         const int pin = static_cast<int>(*at) - 1, next = static_cast<int>(at[1] > 0.0 ? at[1] : *first) - 1;
         visit(PinBlock{pin, std::min(rigid_lanes, next > pin ? next - pin : next - pin + columns.pins())});
     }
 }
 
 /// Copies behind the last pin become the numbers of the first pins. @param count [≤ lanes, ≤ pins]
-inline void unwrap(const RigidColumns& columns, const RowRange& rows, int count) noexcept {
-    const PinLanes copied = first_lanes(count);
-    for (Row row = rows.first; count > 0 && row <= rows.last; row += columns.stride())
-        write(row, 0, select_greater<rigid_lanes>(copied, PinLanes(0.0), read(row, columns.pins()), read(row, 0)));
+inline void unwrap(const PinColumns& columns, const RowRange<PinReal>& rows, int count) noexcept {
+    const auto copied = first_lanes(count);
+    for (PinReal* row = rows.first; count > 0 && row <= rows.last; row += columns.stride())
+        write(row, 0, select_greater<pin_width>(copied, 0.0, read(row, columns.pins()), read(row, 0)));
 }
 
 /// Finds near pins for the next steps, once those found last were for times that are over. Clears the tips' numbers of pins that are no
 /// longer near.
-inline void renew_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick,
-                            RigidColumns& columns) noexcept {
-    double& left = columns.tip.blocks[0];
+inline void renew_near_pins(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, PinColumns& columns) noexcept {
+    PinReal& left = columns.tip.blocks[0];
     if (left < 0.99 * kick.step) {
-        left = steps_ahead * kick.step;
+        left = static_cast<PinReal>(steps_ahead * kick.step);
         find_near_pins(c, sheaves, left, columns);
         over_blocks(columns, [&](const PinBlock& block) {
             for (int k = 0; k < block.count; ++k) {
                 const int pin = (block.first + k) % columns.pins();
                 if (columns.tip.near[pin] > 0.0) continue;
-                for (const RowRange& part : columns.tip.written_rows()) columns.clear(part, pin, 1);
+                for (const auto& part : columns.tip.written_rows()) columns.clear(part, pin, 1);
             }
         });
         choose_blocks(columns);
     }
-    left -= kick.step;
+    left -= static_cast<PinReal>(kick.step);
 }
 
 /// Finds near pins of an instant; sets the tips' numbers to those of pins far from any sheave.
-inline void find_near_pins_now(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns) noexcept {
+inline void find_near_pins_now(const RigidCoefficients& c, const SheaveMotion* sheaves, PinColumns& columns) noexcept {
     find_near_pins(c, sheaves, 0.0, columns);
     choose_blocks(columns);
-    columns.tip.blocks[0] = 0.0;
-    for (const Row depth : columns.tip.depth) std::fill_n(depth, columns.padded() + rigid_lanes, far_depth);
+    columns.tip.blocks[0] = PinReal(0);
+    for (PinReal* depth : columns.tip.depth) std::fill_n(depth, columns.padded() + rigid_lanes, static_cast<PinReal>(far_depth));
     columns.clear_tips();
-}
-
-/// Moves the numbers of a block that reached beyond the last pin to the first pins.
-inline void unwrap_tips(RigidColumns& columns, int beyond) noexcept {
-    unwrap(columns, {columns.tip.depth[0], columns.tip.depth[3]}, beyond);
-    for (const RowRange& part : columns.tip.written_rows()) unwrap(columns, part, beyond);
 }
 
 /// Calls press(block) for all blocks. A block that reaches beyond the last pin continues with copies of the first ones.
 /// @return number of copies
-template <class Press>
-[[nodiscard]] inline int over_near_pins(const RigidColumns& columns, const Press& press) noexcept {
+[[nodiscard]] inline int over_near_pins(const PinColumns& columns, const auto& press) noexcept {
     int beyond = 0;
     over_blocks(columns, [&](const PinBlock& block) {
         if (block.first + block.count > columns.pins()) {

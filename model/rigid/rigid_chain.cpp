@@ -70,17 +70,11 @@ RigidInstant RigidChain::evaluate(const double* blocks, const SheaveMotion* shea
     return last();
 }
 
-RigidSums RigidInstant::sums() const noexcept {
-    RigidSums sums;
-    model.kernels().observe(model.coefficients(), lead, columns, sums);
-    return sums;
-}
-
 /// Computes six links at a time: entry 0 of the strip is the pin before the first link, entries up to 8 are known, tips are those of 1 … 7.
 void RigidChain::probe(const double* states, int links, const SheaveMotion* sheaves, TipProbe* probes) const noexcept {
     const ChainLayout& at = model_.layout();
     constexpr int links_at_once = rigid_lanes - 2;
-    const auto x = strip_.position.all(), v = strip_.velocity.all();
+    const auto x = strip_.state_position.all(), v = strip_.state_velocity.all();
     for (int first = 0; first < links; first += links_at_once) {
         const int count = std::min(links_at_once, links - first);
         for (int k = 0; k < 2 * rigid_coordinates; ++k) {
@@ -90,8 +84,6 @@ void RigidChain::probe(const double* states, int links, const SheaveMotion* shea
                 (k < rigid_coordinates ? x[at_row(k)] : v[at_row(k - rigid_coordinates)])[pin] =
                     scale * states[(first + std::min(pin, count + 2) - 1) * at.link_block() + place];
         }
-        model_.kernels().pitch_lines(strip_);
-        model_.kernels().rolling_frames(model_.coefficients(), strip_);
         alignas(64) double depth[rigid_tips][rigid_lanes];
         model_.kernels().depths(model_.coefficients(), sheaves, strip_, depth[0]);
         for (int link = 0; link < count; ++link) {
@@ -106,7 +98,10 @@ void RigidChain::probe(const double* states, int links, const SheaveMotion* shea
 }
 
 RigidModel::RigidModel(const Parameters& parameters, Isa isa)
-    : parameters_(parameters), layout_(layout_of(parameters)), coefficients_(parameters), kernels_(kernels_of(isa).rigid()) {}
+    : parameters_(parameters),
+      layout_(layout_of(parameters)),
+      coefficients_(parameters),
+      kernels_(kernels_of(isa).rigid(), kernels_of(isa).rigid_step()) {}
 
 RigidColumns RigidModel::columns() const {
     RigidColumns columns(layout_.links);
@@ -114,66 +109,25 @@ RigidColumns RigidModel::columns() const {
     return columns;
 }
 
-void RigidModel::accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
-    link_forces(kick, columns, f);
-    press(sheaves, kick, columns);
-    plate_friction(kick, columns, f);
-    rub(sheaves, kick, columns, f);
-    sum_forces(kick, columns, f);
-}
-
-void RigidModel::link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
-    f.account = {};
-    kernels_.pitch_lines(columns);
-    kernels_.rolling_frames(coefficients_, columns);
-    kernels_.link_forces(coefficients_, kick, columns, f.account);
-    kernels_.joint_forces(coefficients_, kick, columns, f.account);
-    kernels_.sum_link_forces(columns);
-    if (kick.implicit()) kernels_.filter_waves(coefficients_, kick, columns, f.account);
-    if (coefficients_.guide.present) kernels_.guide(coefficients_, kick, columns, f.account);
-}
-
-void RigidModel::press(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) const noexcept {
-    if (sheaves != nullptr) (kick.implicit() ? kernels_.press : kernels_.press_now)(coefficients_, sheaves, kick, columns);
-}
-
-void RigidModel::plate_friction(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
-    kernels_.plate_friction(coefficients_, kick, columns, f.account);
-}
-
-void RigidModel::rub(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
-    f.reaction = {};
-    if (sheaves != nullptr) (kick.implicit() ? kernels_.rub : kernels_.rub_now)(coefficients_, columns, f.reaction, f.account);
-}
-
-void RigidModel::sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& f) const noexcept {
-    kernels_.joint_friction(coefficients_, kick, columns, f.account);
-    f.kinetic = kernels_.accelerate(coefficients_, kick, columns);
-}
-
-void RigidModel::accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept {
+void RigidModel::accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& f) const noexcept {
+    const RigidKernels<double>& kernel = kernels();
+    const RigidKick kick;
     std::fill_n(columns.tip.moment - 1, columns.padded() + 2, 0.0);
-    accelerate(sheaves, {}, columns, forces);
+    kernel.links(coefficients_, kick, columns, f.account);
+    if (sheaves != nullptr) kernel.press(coefficients_, sheaves, kick, columns);
+    kernel.plates(coefficients_, kick, columns, f.account);
+    f.reaction = {};
+    if (sheaves != nullptr) kernel.rub(coefficients_, columns, f.reaction, f.account);
+    f.kinetic = kernel.kick(coefficients_, kick, columns, f.account);
 }
 
 void RigidModel::read(const double* blocks, RigidColumns& columns) const noexcept {
     for (int k = 0; k < rigid_coordinates; ++k) {
-        double *x = columns.position.all()[at_row(k)], *v = columns.velocity.all()[at_row(k)];
+        double *x = columns.state_position.all()[at_row(k)], *v = columns.state_velocity.all()[at_row(k)];
         const double* from = blocks + rigid_place(layout_, k);
         for (int pin = 0; pin < layout_.links; ++pin, from += layout_.link_block()) {
             x[pin] = scale(k) * from[0];
             v[pin] = scale(k) * from[layout_.link_size()];
-        }
-    }
-}
-
-void RigidModel::write(const RigidColumns& columns, double* blocks) const noexcept {
-    for (int k = 0; k < rigid_coordinates; ++k) {
-        const double *x = columns.position.all()[at_row(k)], *v = columns.velocity.all()[at_row(k)];
-        double* to = blocks + rigid_place(layout_, k);
-        for (int pin = 0; pin < layout_.links; ++pin, to += layout_.link_block()) {
-            to[0] = x[pin] / scale(k);
-            to[layout_.link_size()] = v[pin] / scale(k);
         }
     }
 }
@@ -185,26 +139,32 @@ void RigidModel::acceleration(const RigidColumns& columns, int pin, double* of_p
 
 RigidState::RigidState(const RigidModel& of)
     : model(of),
-      columns(of.columns()),
+      columns(of.layout().links),
       tail(static_cast<std::size_t>(2 * of.layout().pulley_size + of.layout().controls), 0.0),
       tail_slope(tail.size(), 0.0),
-      ledger(of.layout().ledger ? static_cast<std::size_t>(of.layout().size() - of.layout().ledger_begin()) : 0, 0.0) {}
+      ledger(of.layout().ledger ? static_cast<std::size_t>(of.layout().size() - of.layout().ledger_begin()) : 0, 0.0) {
+    columns.assign(of.columns());
+}
 
-void RigidState::read(const double* y) {
+void RigidState::read(const double* y, const RigidInstant& now) {
     const ChainLayout& at = model.layout();
     lead = 0.0;
-    model.read(y, columns);
+    columns.assign(now.columns);
+    forces = now.forces;
     std::copy_n(y + at.pulley_begin(), tail.size(), tail.begin());
     std::copy_n(y + (at.size() - static_cast<int>(ledger.size())), ledger.size(), ledger.begin());
 }
 
 void RigidState::write(double* y) const noexcept {
     const ChainLayout& at = model.layout();
-    model.write(columns, y);
     for (int k = 0; k < rigid_coordinates; ++k) {
-        const double* acceleration = columns.acceleration.all()[at_row(k)];
-        double* v = y + at.link_size() + rigid_place(at, k);
-        for (int pin = 0; pin < at.links; ++pin) v[at.link_begin(pin)] -= lead * acceleration[pin] / model.scale(k);
+        const double *x = columns.state_position.all()[at_row(k)], *v = columns.state_velocity.all()[at_row(k)];
+        const float* acceleration = columns.acceleration.all()[at_row(k)];
+        double* to = y + rigid_place(at, k);
+        for (int pin = 0; pin < at.links; ++pin, to += at.link_block()) {
+            to[0] = x[pin] / model.scale(k);
+            to[at.link_size()] = (v[pin] - lead * acceleration[pin]) / model.scale(k);
+        }
     }
     write_tail(y + at.pulley_begin());
 }
@@ -224,8 +184,8 @@ double RigidState::acceleration_energy() const noexcept {
     const RigidCoefficients& c = model.coefficients();
     double sum = 0.0;
     for (int k = 0; k < rigid_coordinates; ++k) {
-        const double *a = columns.acceleration.all()[at_row(k)], mass = c.inertia(k);
-        for (int pin = 0; pin < c.pins; ++pin) sum += 0.5 * mass * a[pin] * a[pin];
+        const float* a = columns.acceleration.all()[at_row(k)];
+        for (int pin = 0; pin < c.pins; ++pin) sum += 0.5 * c.inertia(k) * a[pin] * a[pin];
     }
     return sum;
 }

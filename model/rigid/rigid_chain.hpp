@@ -2,6 +2,7 @@
 /// A chain of rigid pins: the forces on its pins and sheaves, by kernels over all pins (RigidModel); the same chain as a ChainModel
 /// evaluates it (RigidChain); its state between two steps of a leapfrog, in columns (RigidState). (model/EQUATIONS.md section 11)
 
+#include <tuple>
 #include <vector>
 
 #include "model/kernels/available_isas.hpp"
@@ -24,29 +25,23 @@ public:
 
     [[nodiscard]] const ChainLayout& layout() const noexcept { return layout_; }
     [[nodiscard]] const RigidCoefficients& coefficients() const noexcept { return coefficients_; }
-    [[nodiscard]] const RigidKernels& kernels() const noexcept { return kernels_; }
+    /// Kernels over columns of numbers of a type.
+    template <class Real = double>
+    [[nodiscard]] const RigidKernels<Real>& kernels() const noexcept {
+        return std::get<RigidKernels<Real>>(kernels_);
+    }
     /// Columns with the constants of the links; everything else is zero.
     [[nodiscard]] RigidColumns columns() const;
 
-    /// Writes accelerations of the pins, at the columns' coordinates and velocities, into the rows of accelerations, and kicks the
-    /// velocities.
+    /// Writes accelerations of the pins, at the columns' coordinates and velocities, into the rows of accelerations; friction is that of
+    /// the present velocities, without memory of a step before.
     /// @param sheaves [4], nullptr: there are no pulleys
-    void accelerate(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
-    /// accelerate() with friction of the present velocities, without memory of a step before.
     void accelerate(const SheaveMotion* sheaves, RigidColumns& columns, RigidForces& forces) const noexcept;
-
-    // Parts of accelerate(), one after the other.
-    void link_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
-    void press(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) const noexcept;  ///< arguments live until rub()
-    void plate_friction(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
-    void rub(const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
-    void sum_forces(const RigidKick& kick, RigidColumns& columns, RigidForces& forces) const noexcept;
 
     /// Scale of a coordinate or velocity of the columns over that of a state.
     [[nodiscard]] double scale(int k) const noexcept { return k < 6 ? 1.0 : coefficients_.bend_share; }
-    /// Copies coordinates and velocities between columns and blocks of a state. @param blocks [pins * layout().link_block()]
+    /// Copies coordinates and velocities from blocks of a state into columns. @param blocks [pins * layout().link_block()]
     void read(const double* blocks, RigidColumns& columns) const noexcept;
-    void write(const RigidColumns& columns, double* blocks) const noexcept;
     /// Copies accelerations from the columns, in the order of a block's velocities. @param of_pin [layout().link_size()]
     void acceleration(const RigidColumns& columns, int pin, double* of_pin) const noexcept;
 
@@ -54,7 +49,7 @@ private:
     Parameters parameters_;
     ChainLayout layout_;
     RigidCoefficients coefficients_;
-    RigidKernels kernels_;
+    std::tuple<RigidKernels<double>, RigidKernels<float>> kernels_;
 };
 
 /// Coordinate number k of the columns (x, y, z, p, q, ζ, bending) inside the block of a pin.
@@ -65,19 +60,26 @@ private:
 }
 
 /// Rigid pins at an instant whose forces are known.
-struct RigidInstant {
+template <class Real>
+struct RigidInstantOf {
     const RigidModel& model;
-    const RigidColumns& columns;
+    const RigidColumnsOf<Real>& columns;
     const RigidForces& forces;
     double lead;  ///< time by which the columns' velocities are ahead of their coordinates [s]
 
-    [[nodiscard]] RigidSums sums() const noexcept;
+    [[nodiscard]] RigidSums sums() const noexcept {
+        RigidSums sums;
+        model.kernels<Real>().observe(model.coefficients(), lead, columns, sums);
+        return sums;
+    }
     /// Entry of rows for tip number 2 end + side of a link: that of the pin whose half is at this end.
-    [[nodiscard]] double of_tip(const TipRow& rows, int link, int tip) const noexcept {
+    [[nodiscard]] double of_tip(const std::array<Real*, rigid_tips>& rows, int link, int tip) const noexcept {
         const int pin = tip < rigid_tips / 2 ? link : model.layout().next(link);
         return rows[static_cast<std::size_t>((tip + rigid_tips / 2) % rigid_tips)][pin];
     }
 };
+
+using RigidInstant = RigidInstantOf<double>;
 
 struct ChainKernels;
 struct LinkContact;
@@ -109,13 +111,13 @@ private:
 struct RigidState {
     explicit RigidState(const RigidModel& model);
 
-    /// Reads a state, whose velocities are not ahead. @param y [unknowns]
-    void read(const double* y);
+    /// Reads a state, whose velocities are not ahead, with its forces. @param y [unknowns]   @param now the chain, evaluated there
+    void read(const double* y, const RigidInstant& now);
     /// Writes the state at the time of the coordinates. @param y [unknowns]
     void write(double* y) const noexcept;
     /// Writes the part of the state that follows the pins. @param behind [unknowns behind the pins]
     void write_tail(double* behind) const noexcept;
-    [[nodiscard]] RigidInstant instant() const noexcept { return {model, columns, forces, lead}; }
+    [[nodiscard]] RigidInstantOf<float> instant() const noexcept { return {model, columns, forces, lead}; }
     /// End of the unknowns behind the pulleys' coordinates that a kick changes: velocities and integrals. The hydraulics' unknowns drift.
     [[nodiscard]] std::size_t kicked_end() const noexcept;
     /// Kinetic energy that the accelerations of the pins would have as velocities, ½ a·M a [J/s²].
@@ -123,7 +125,7 @@ struct RigidState {
     [[nodiscard]] std::size_t bytes() const noexcept;
 
     const RigidModel& model;
-    RigidColumns columns;
+    StepColumns columns;
     RigidForces forces;
     std::vector<double> tail, tail_slope;  ///< pulleys, controls, hydraulics, and their rates [unknowns behind the pins but the ledger]
     std::vector<double> ledger;            ///< losses and works so far, where the state has them [J]

@@ -108,7 +108,7 @@ void RigidCoefficients::fill(const Parameters& parameters, RigidColumns& columns
         columns.constants.torsion_damping[link] = square * kind.torsion.damping;
         columns.constants.longer[link] = unequal ? c.longer[static_cast<std::size_t>(link)] : 0.0;
     }
-    columns.wrap({columns.constants.free_length, columns.constants.longer});
+    columns.wrap(RowRange{columns.constants.free_length, columns.constants.longer});
 }
 
 }  // namespace cvtflow::model

@@ -43,46 +43,38 @@ struct RigidSums {
     double creep_power = 0.0;              ///< [W]
 };
 
-/// Each function reads and writes columns of all pins, and renews the copies of neighbours that it or the next one reads.
+/// Functions over columns of all pins, in doubles of an instant, in floats of a step (rigid_step_kernels.cpp). Each renews the copies of
+/// neighbours that it or the next one reads.
+template <class Real>
 struct RigidKernels {
-    /// Pitch lines by coordinates and velocities.
-    void (*pitch_lines)(RigidColumns& columns) noexcept;
-    /// Directions and offsets of the halves that roll on each other, from the pitch lines.
-    void (*rolling_frames)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
-    /// Forces of links; adds energies and losses.
-    void (*link_forces)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
-    /// Bending of the pins, normal force and rolling resistance of their joints, and A g of the links' forces.
-    void (*joint_forces)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
-    /// Sum of the links' forces on each pin, per coordinate.
-    void (*sum_link_forces)(RigidColumns& columns) noexcept;
-    /// Filters the waves of stretch and yaw, in a step.
-    void (*filter_waves)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
-    /// Adds the forces of guides to those on the pins.
-    void (*guide)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
+    using Columns = RigidColumnsOf<Real>;
+
+    // The parts of a step, in order. With a step of zero: forces of the velocities as they are.
+
+    /// Moves coordinates by velocities over the step; then forces of links, bending and rolling of pins, filter of the waves, guides.
+    void (*links)(const RigidCoefficients& c, const RigidKick& kick, Columns& columns, Account& account) noexcept;
     /// Normal forces of the tips, and their forces along the pins with the friction of the last step. The arguments but the last must live
     /// until `rub`. @param sheaves [4]
-    using Press = void (*)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept;
-    Press press, press_now;  ///< in a step; at velocities as they are
+    void (*press)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, Columns& columns) noexcept;
     /// Friction of plates along the pins, which lengthen at the same time, and of the halves of a pin on each other.
-    void (*plate_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
+    void (*plates)(const RigidCoefficients& c, const RigidKick& kick, Columns& columns, Account& account) noexcept;
     /// Friction of the tips that press() found, and the sums of their forces.
-    using Rub = void (*)(const RigidCoefficients& c, RigidColumns& columns, RigidReaction& reaction, Account& account) noexcept;
-    Rub rub, rub_now;
-    /// Friction of the halves of a pin on each other, after the tips.
-    void (*joint_friction)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
-    /// Accelerations by the sum of all forces, then as `kick` over the step.
-    double (*accelerate)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept;
-    /// Moves coordinates by velocities over a time [s].
-    void (*drift)(double step, RigidColumns& columns) noexcept;
+    void (*rub)(const RigidCoefficients& c, Columns& columns, RigidReaction& reaction, Account& account) noexcept;
+    /// Friction of the halves of a pin on each other, after the tips; accelerations by the sum of all forces; then as `shift` over the
+    /// step.
+    double (*kick)(const RigidCoefficients& c, const RigidKick& kick, Columns& columns, Account& account) noexcept;
+
+    // Between steps.
+
     /// Changes velocities by accelerations over a time [s]. @return ½ v·M v' of the pins' velocities before and after, which a leapfrog
     /// conserves in any linear oscillation [J]
-    double (*kick)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
+    double (*shift)(const RigidCoefficients& c, double step, Columns& columns) noexcept;
     /// Depths of the tips of pins 0 … 7 [m]. @param depth [tips][8]
-    void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept;
+    void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, Columns& columns, Real* depth) noexcept;
     /// Number of tips that began or ceased to press; those of pins that fill the last vector count.
-    double (*contact_changes)(const RigidColumns& columns) noexcept;
+    double (*contact_changes)(const Columns& columns) noexcept;
     /// Sums over pins and tips. @param lead time by which velocities are ahead of coordinates [s]
-    void (*observe)(const RigidCoefficients& c, double lead, const RigidColumns& columns, RigidSums& sums) noexcept;
+    void (*observe)(const RigidCoefficients& c, double lead, const Columns& columns, RigidSums& sums) noexcept;
 };
 
 }  // namespace cvtflow::model

@@ -9,13 +9,32 @@
 namespace cvtflow::model {
 namespace {
 
-inline void pitch_lines(RigidColumns& columns) noexcept {
-    wrap(columns, {columns.position.middle.x, columns.velocity.bend.y});
+/// Difference of the middles of pins i+1 and i, of their places or velocities: taken in doubles.
+[[nodiscard, gnu::always_inline]] inline Plane chord(const CoordinateRowsOf<double>& of, int i) noexcept {
+    return rounded(read(of.middle, i + 1) - read(of.middle, i));
+}
+
+/// Moves coordinates by velocities over a time [s], and rounds both.
+inline void drift_pins(double step, PinColumns& columns) noexcept {
+    const auto x = columns.state_position.all(), v = columns.state_velocity.all();
+    const auto near_x = columns.position.all(), near_v = columns.velocity.all();
+    for (std::size_t k = 0; k < rigid_coordinates; ++k) {
+        for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+            const auto rate = read(v[k], i), place = read(x[k], i) + step * rate;
+            write(x[k], i, place);
+            write(near_x[k], i, rounded(place));
+            write(near_v[k], i, rounded(rate));
+        }
+    }
+    wrap(columns, columns.state());
+    wrap(columns, RowRange{columns.position.middle.x, columns.velocity.bend.y});
+}
+
+inline void pitch_lines(PinColumns& columns) noexcept {
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-        const Plane chord = read(columns.position.middle, i + 1) - read(columns.position.middle, i);
-        const Plane rate = read(columns.velocity.middle, i + 1) - read(columns.velocity.middle, i);
-        const PinLanes inverse = 1.0 / sqrt(dot(chord, chord));
-        const Plane line = inverse * chord;
+        const Plane d = chord(columns.state_position, i), rate = chord(columns.state_velocity, i);
+        const PinLanes inverse = 1.0 / sqrt(dot(d, d));
+        const Plane line = inverse * d;
         write(columns.line.direction, i, line);
         write(columns.line.inverse, i, inverse);
         const PinLanes turn = cross(line, rate) * inverse;
@@ -32,11 +51,11 @@ struct Rolling {
     [[nodiscard]] Plane operator*(const Plane& f) const noexcept { return along * f - (across * dot(bisector, f)) * bisector; }
 };
 
-[[nodiscard]] inline Rolling read_rolling(const RigidColumns& columns, int i) noexcept {
+[[nodiscard]] inline Rolling read_rolling(const PinColumns& columns, int i) noexcept {
     return {read(columns.rolling.bisector, i), read(columns.rolling.along, i), read(columns.rolling.across, i)};
 }
 
-inline void rolling_frames(const RigidCoefficients& c, RigidColumns& columns) noexcept {
+inline void rolling_frames(const RigidCoefficients& c, PinColumns& columns) noexcept {
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane behind = read(columns.line.direction, i - 1), ahead = read(columns.line.direction, i);
         const Plane both = behind + ahead;
@@ -71,17 +90,17 @@ struct LinkMotion {
 
 /// Displacement of the halves of link i along z: the front half of pin i+1 against the rear half of pin i. @param of positions or
 /// velocities
-[[nodiscard, gnu::always_inline]] inline PinLanes axial_parting(const CoordinateRows& of, int i) noexcept {
+[[nodiscard, gnu::always_inline]] inline PinLanes axial_parting(const CoordinateRowsOf<PinReal>& of, int i) noexcept {
     return read(of.z, i + 1) - read(of.z, i) + 0.5 * (read(of.slide, i + 1) + read(of.slide, i));
 }
 
-[[nodiscard, gnu::always_inline]] inline LinkMotion link_motion(const RigidCoefficients& c, const RigidColumns& columns, int i) noexcept {
+[[nodiscard, gnu::always_inline]] inline LinkMotion link_motion(const RigidCoefficients& c, const PinColumns& columns, int i) noexcept {
     const auto difference = [&](const PlaneRow& of) { return read(of, i + 1) - read(of, i); };
     const auto total = [&](const PlaneRow& of) { return read(of, i + 1) + read(of, i); };
     const PinLanes per_length = read(columns.constants.inverse_length, i), per_half(1.0 / c.half_length), two_per = 2.0 * per_length;
     LinkMotion m;
-    const Plane d = difference(columns.position.middle) + PinLanes(0.5) * total(columns.rolling.offset);
-    const Plane rate = difference(columns.velocity.middle) + PinLanes(0.5) * total(columns.rolling.offset_rate);
+    const Plane d = chord(columns.state_position, i) + PinLanes(0.5) * total(columns.rolling.offset);
+    const Plane rate = chord(columns.state_velocity, i) + PinLanes(0.5) * total(columns.rolling.offset_rate);
     const PinLanes length = sqrt(dot(d, d));
     m.inverse = 1.0 / length;
     m.t = m.inverse * d;
@@ -112,11 +131,11 @@ struct LinkMotion {
 
 /// Energies and losses of links.
 struct LinkSums {
-    explicit LinkSums(const RigidColumns& columns) noexcept : plates(columns), pack(columns), damping(columns), inner(columns) {}
+    explicit LinkSums(const PinColumns& columns) noexcept : plates(columns), pack(columns), damping(columns), inner(columns) {}
     PinSum plates, pack, damping, inner;
 };
 
-[[gnu::always_inline]] inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns, int i,
+[[gnu::always_inline]] inline void link_force(const RigidCoefficients& c, const RigidKick& kick, const PinColumns& columns, int i,
                                               LinkSums& sums) noexcept {
     const LinkMotion m = link_motion(c, columns, i);
     const PinLanes yaw_stiffness = read(columns.constants.yaw_stiffness, i), yaw_damping = read(columns.constants.yaw_damping, i);
@@ -150,7 +169,7 @@ struct LinkSums {
                           drag_power(kick, columns.damping.bow, i, bow_drag, m.bow_rate));
 }
 
-inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, PinColumns& columns, Account& account) noexcept {
     LinkSums sums(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) link_force(c, kick, columns, i, sums);
     wrap(columns, columns.link.rows());
@@ -162,7 +181,7 @@ inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, Rigid
 
 /// Both halves of a pin bend in one shape, stiffer across the direction of travel than along it. That direction turns with both pitch
 /// lines.
-[[gnu::always_inline]] inline void bend_pin(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns, int i,
+[[gnu::always_inline]] inline void bend_pin(const RigidCoefficients& c, const RigidKick& kick, const PinColumns& columns, int i,
                                             PinSum& stored, PinSum& lost) noexcept {
     const Plane along = read(columns.rolling.bisector, i), across = turned(along);
     const Plane bend = read(columns.position.bend, i), rate = read(columns.velocity.bend, i);
@@ -179,29 +198,29 @@ inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, Rigid
 }
 
 /// Halves that are pressed together by N resist rolling, as if a share of the strip of contact slid.
-inline void joint_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+inline void joint_forces(const RigidCoefficients& c, const RigidKick& kick, PinColumns& columns, Account& account) noexcept {
     PinSum lost(columns), bent(columns), inner(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         bend_pin(c, kick, columns, i, bent, inner);
         const Plane half = PinLanes(0.5) * (read(columns.link.pull, i - 1) + read(columns.link.pull, i));
         const Rolling rolling = read_rolling(columns, i);
-        const PinLanes pressing = positive_part<rigid_lanes>(-dot(half, rolling.bisector));
+        const PinLanes pressing = positive_part<pin_width>(-dot(half, rolling.bisector));
         const PinLanes bending = read(columns.line.turn, i) - read(columns.line.turn, i - 1);
         const PinLanes strip = c.rolling_arm * sqrt(pressing), slip = strip * bending;
         const PinLanes friction =
-            c.joint_friction.coefficient * pressing * slip_factor_of_square<rigid_lanes>(c.joint_friction, slip * slip) * slip;
+            c.joint_friction.coefficient * pressing * slip_factor_of_square<pin_width>(c.joint_friction, slip * slip) * slip;
         write(columns.joint.offset_moment, i, rolling * half);
         write(columns.joint.normal, i, pressing);
         lost.add(i, drag_power(kick, columns.joint.rolling_moment, i, strip * friction, bending));
     }
-    wrap(columns, {columns.joint.offset_moment.x, columns.joint.bend_moment});
+    wrap(columns, RowRange{columns.joint.offset_moment.x, columns.joint.bend_moment});
     account.lose(Loss::joint_friction, lost.value());
     account.lose(Loss::inner, inner.value());
     account.store(Energy::inner, bent.value());
 }
 
 /// Action of link i on the pins at its ends in the plane: forces of its halves and the moment on its pitch line.
-[[nodiscard, gnu::always_inline]] inline Plane link_thrust(const RigidColumns& columns, int i) noexcept {
+[[nodiscard, gnu::always_inline]] inline Plane link_thrust(const PinColumns& columns, int i) noexcept {
     const Plane normal = turned(read(columns.line.direction, i));
     const Plane lean = read(columns.joint.offset_moment, i) + read(columns.joint.offset_moment, i + 1);
     const PinLanes moment = dot(normal, lean) + read(columns.joint.rolling_moment, i + 1) - read(columns.joint.rolling_moment, i) +
@@ -209,7 +228,7 @@ inline void joint_forces(const RigidCoefficients& c, const RigidKick& kick, Rigi
     return read(columns.link.pull, i) + (moment * read(columns.line.inverse, i)) * normal;
 }
 
-inline void sum_link_forces(RigidColumns& columns) noexcept {
+inline void sum_link_forces(PinColumns& columns) noexcept {
     Plane last{0.0, 0.0};  // of the eight links before
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane ahead = link_thrust(columns, i), behind = i == 0 ? link_thrust(columns, -1) : shifted_by_one_pin(last, ahead);
@@ -238,7 +257,7 @@ struct WaveThrust {
 /// u + β h² u'', so that a leapfrog is stable up to h ω = 1/√β instead of 2. u'' is that by the forces of links alone and of tips as they
 /// last: friction of the last step's tips would pull back with a delay. At rest u'' is zero, and statics stay. What the forces take from
 /// the motion is a loss of the plates.
-inline void filter_waves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+inline void filter_waves(const RigidCoefficients& c, const RigidKick& kick, PinColumns& columns, Account& account) noexcept {
     wrap(columns, columns.wave.forces());
     PinSum lost(columns);
     const double share = wave_filter * kick.step * kick.step;
@@ -257,7 +276,8 @@ inline void filter_waves(const RigidCoefficients& c, const RigidKick& kick, Rigi
         const Plane pull_behind = i == 0 ? last.pull : shifted_by_one_pin(last.pull, ahead.pull);
         const Plane twist_behind = i == 0 ? last.twist : shifted_by_one_pin(last.twist, ahead.twist);
         last = ahead;
-        lost.add(i, drag_power(kick, columns.damping.wave, i, ahead.stretch, along(columns.velocity.middle, i)) +
+        lost.add(i, drag_power(kick, columns.damping.wave, i, ahead.stretch,
+                               dot(read(columns.line.direction, i), chord(columns.state_velocity, i))) +
                         drag_power(kick, columns.damping.wave_yaw, i, ahead.yaw, along(columns.velocity.end, i)));
         write(columns.force.middle, i, read(columns.force.middle, i) + (ahead.pull - pull_behind));
         write(columns.force.end, i, read(columns.force.end, i) + (ahead.twist - twist_behind));

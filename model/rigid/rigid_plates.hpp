@@ -14,11 +14,11 @@ namespace {
 /// Solves for the friction P of all links at the end of the step, (1 + aF (4 - β_i - β_{i+1})) P_i - aF (β_i P_{i-1} + β_{i+1} P_{i+1})
 /// = B_i around the ring: F friction per sliding speed, B friction if no link's friction changed the sliding, β_i the degree to which the
 /// halves of pin i stick together, a of a pin's speed per force over the step [m/s/N].
-inline void solve_friction(RigidColumns& columns) noexcept {
+inline void solve_friction(PinColumns& columns) noexcept {
     const RingShares shares(columns.pins());
-    wrap(columns, {columns.plate.rhs, columns.plate.on});
-    const RingRows& ring = columns.ring;
-    const PlateRows& plate = columns.plate;
+    wrap(columns, RowRange{columns.plate.rhs, columns.plate.on});
+    const auto& ring = columns.ring;
+    const auto& plate = columns.plate;
     shares.to_rows(plate.rhs, ring.rhs);
     shares.to_rows(plate.own, ring.own);
     shares.to_rows(plate.back, ring.back);
@@ -29,7 +29,7 @@ inline void solve_friction(RigidColumns& columns) noexcept {
 }
 
 /// Sliding speed that the lengthening of both pins adds at the plates at +z, and subtracts at those at -z [m/s].
-[[nodiscard]] inline PinLanes plate_parting(const RigidCoefficients& c, const RigidColumns& columns, int i) noexcept {
+[[nodiscard]] inline PinLanes plate_parting(const RigidCoefficients& c, const PinColumns& columns, int i) noexcept {
     return c.plate_reach * (read(columns.tip.lengthening, i + 1) - read(columns.tip.lengthening, i));
 }
 
@@ -42,9 +42,9 @@ inline void solve_friction(RigidColumns& columns) noexcept {
 }
 
 /// Friction of the halves of a pin per free sliding speed, and the degree to which they stick together. @param slip [m/s]
-[[gnu::always_inline]] inline void write_joint_secant(const RigidCoefficients& c, const RigidColumns& columns, int i,
+[[gnu::always_inline]] inline void write_joint_secant(const RigidCoefficients& c, const PinColumns& columns, int i,
                                                       const PinLanes& per_slide, const PinLanes& slip) noexcept {
-    const PinLanes secant = c.joint_friction.coefficient * read(columns.joint.normal, i) * slip_factor<rigid_lanes>(c.joint_friction, slip);
+    const PinLanes secant = c.joint_friction.coefficient * read(columns.joint.normal, i) * slip_factor<pin_width>(c.joint_friction, slip);
     const PinLanes held = secant / (1.0 + per_slide * secant);
     write(columns.joint.secant, i, held);
     write(columns.joint.coupling, i, per_slide * held);
@@ -52,7 +52,7 @@ inline void solve_friction(RigidColumns& columns) noexcept {
 
 /// Velocities of the pins and of their halves on each other along z, and the friction per speed of the halves, before plates rub. Tips have
 /// the friction of the last step.
-inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {
+inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, PinColumns& columns) noexcept {
     const PinLanes per_slide(kick.until_friction() / c.slide_mass), per_mass(kick.until_friction() / c.mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes on_pin = read(columns.force.z, i) + read(columns.tip.force.z, i),
@@ -63,12 +63,12 @@ inline void free_slips(const RigidCoefficients& c, const RigidKick& kick, RigidC
         write(columns.joint.free_slip, i, drive);
         write_joint_secant(c, columns, i, per_slide, speed);
     }
-    wrap(columns, {columns.joint.free_slip, columns.joint.axial_free_speed});
+    wrap(columns, RowRange{columns.joint.free_slip, columns.joint.axial_free_speed});
 }
 
 /// Friction of the halves of a pin on each other along it, after that of the plates on both and with the tips' friction of the last step,
 /// whose part is then taken from the free speed.
-inline void joint_friction_expected(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {
+inline void joint_friction_expected(const RigidCoefficients& c, const RigidKick& kick, PinColumns& columns) noexcept {
     const PinLanes per_slide(kick.until_friction() / c.slide_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes plates = 0.5 * (read(columns.plate.friction, i - 1) + read(columns.plate.friction, i));
@@ -80,7 +80,7 @@ inline void joint_friction_expected(const RigidCoefficients& c, const RigidKick&
 }
 
 /// Updates the friction of the joints with the tips' forces of this step.
-inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, PinColumns& columns, Account& account) noexcept {
     PinSum lost(columns);
     const PinLanes per_slide(kick.until_friction() / c.slide_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
@@ -95,7 +95,7 @@ inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
 }
 
 /// Change of the sliding speed of link i by the friction of the links, over the step per mass.
-[[nodiscard, gnu::always_inline]] inline PinLanes slowing(const RigidColumns& columns, int i) noexcept {
+[[nodiscard, gnu::always_inline]] inline PinLanes slowing(const PinColumns& columns, int i) noexcept {
     const PinLanes friction = read(columns.plate.friction, i), behind = read(columns.joint.coupling, i),
                    ahead = read(columns.joint.coupling, i + 1);
     return behind * (read(columns.plate.friction, i - 1) + friction) + ahead * (friction + read(columns.plate.friction, i + 1)) -
@@ -103,24 +103,24 @@ inline void joint_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
 }
 
 /// Sliding speed of the plates of link i before they rub [m/s].
-[[nodiscard, gnu::always_inline]] inline PinLanes free_slip_of_plates(const RigidColumns& columns, int i) noexcept {
+[[nodiscard, gnu::always_inline]] inline PinLanes free_slip_of_plates(const PinColumns& columns, int i) noexcept {
     const auto parted = [&](int pin) { return 0.5 * (1.0 - read(columns.joint.coupling, pin)) * read(columns.joint.free_slip, pin); };
     return read(columns.joint.axial_free_speed, i + 1) - read(columns.joint.axial_free_speed, i) + parted(i + 1) + parted(i);
 }
 
 /// Most friction of half of a link's plates [N].
-[[nodiscard, gnu::always_inline]] inline PinLanes plate_capacity(const RigidCoefficients& c, const RigidColumns& columns, int i) noexcept {
-    return (0.5 * c.plate_friction.coefficient) * positive_part<rigid_lanes>(read(columns.plate.tension, i));
+[[nodiscard, gnu::always_inline]] inline PinLanes plate_capacity(const RigidCoefficients& c, const PinColumns& columns, int i) noexcept {
+    return (0.5 * c.plate_friction.coefficient) * positive_part<pin_width>(read(columns.plate.tension, i));
 }
 
 /// Sliding speeds of the plates before they rub, their friction per sliding speed, and the friction at those speeds.
-inline void grip_plates(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns) noexcept {
+inline void grip_plates(const RigidCoefficients& c, const RigidKick& kick, const PinColumns& columns) noexcept {
     const PinLanes per_mass(kick.until_friction() / c.mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes capacity = plate_capacity(c, columns, i), parting = plate_parting(c, columns, i);
         const PinLanes drive = free_slip_of_plates(columns, i);
         const auto grip_at = [&](const PinLanes& now, Row slip, Row before) {
-            return capacity * slip_factor<rigid_lanes>(c.plate_friction, kick.implicit() ? expected_slip(slip, before, i) : abs(now));
+            return capacity * slip_factor<pin_width>(c.plate_friction, kick.implicit() ? expected_slip(slip, before, i) : abs(now));
         };
         const PinLanes low = grip_at(drive - parting, columns.plate.slip_low, columns.plate.slip_low_before),
                        high = grip_at(drive + parting, columns.plate.slip_high, columns.plate.slip_high_before);
@@ -138,7 +138,7 @@ inline void grip_plates(const RigidCoefficients& c, const RigidKick& kick, const
 
 /// Renews the friction per speed of plates and joints at the sliding speeds that the solution leaves, and the friction of each link beside
 /// that of its neighbours. Friction at expected speeds lags behind where a contact begins or ceases to slide.
-inline void renew_friction(const RigidCoefficients& c, const RigidKick& kick, const RigidColumns& columns) noexcept {
+inline void renew_friction(const RigidCoefficients& c, const RigidKick& kick, const PinColumns& columns) noexcept {
     const PinLanes per_mass(kick.until_friction() / c.mass), per_slide(kick.until_friction() / c.slide_mass);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         write(columns.plate.slip_low, i, read(columns.plate.free_slip, i) + per_mass * slowing(columns, i));
@@ -151,12 +151,12 @@ inline void renew_friction(const RigidCoefficients& c, const RigidKick& kick, co
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes slide = read(columns.plate.slip_low, i), parting = plate_parting(c, columns, i);
         const PinLanes capacity = plate_capacity(c, columns, i);
-        const PinLanes low = capacity * slip_factor<rigid_lanes>(c.plate_friction, abs(slide - parting)),
-                       high = capacity * slip_factor<rigid_lanes>(c.plate_friction, abs(slide + parting));
+        const PinLanes low = capacity * slip_factor<pin_width>(c.plate_friction, abs(slide - parting)),
+                       high = capacity * slip_factor<pin_width>(c.plate_friction, abs(slide + parting));
         const PinLanes drive = free_slip_of_plates(columns, i), coupling = per_mass * (low + high);
         const PinLanes back = coupling * read(columns.joint.coupling, i), on = coupling * read(columns.joint.coupling, i + 1);
         const PinLanes friction = read(columns.plate.friction, i),
-                       behind = i == 0 ? read(columns.plate.friction, -1) : lanes_across<rigid_lanes - 1>(before, friction);
+                       behind = i == 0 ? read(columns.plate.friction, -1) : lanes_across<rigid_lanes - 1, pin_width>(before, friction);
         before = friction;
         const PinLanes rhs = low * (drive - parting) + high * (drive + parting);
         write(columns.plate.secant_high, i, high);
@@ -169,7 +169,7 @@ inline void renew_friction(const RigidCoefficients& c, const RigidKick& kick, co
 
 /// Friction of the plates of neighbouring links along the pin that they share, and of its halves on each other. The sliding speeds with
 /// it are kept for the next step. The loss by the pins' lengthening is counted with the tips that do its work.
-inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, PinColumns& columns, Account& account) noexcept {
     PinSum lost(columns);
     const PinLanes per_mass(kick.until_friction() / c.mass);
     wrap(columns, columns.tip.lengthening);
@@ -190,7 +190,7 @@ inline void plate_friction(const RigidCoefficients& c, const RigidKick& kick, Ri
         write(columns.plate.slip_high, i, slide + parting);
     }
     account.lose(Loss::plate_friction, lost.value());
-    wrap(columns, {columns.plate.friction, columns.plate.moment});
+    wrap(columns, RowRange{columns.plate.friction, columns.plate.moment});
     joint_friction_expected(c, kick, columns);
 }
 
@@ -200,7 +200,7 @@ struct TipMoment {
     PinLanes moment;
     Plane thrust;
 
-    TipMoment(const RigidColumns& columns, int i) noexcept {
+    TipMoment(const PinColumns& columns, int i) noexcept {
         const Plane normal = turned(read(columns.line.direction, i));
         const Plane lean = read(columns.tip.offset_moment, i) + read(columns.tip.offset_moment, i + 1);
         moment = dot(normal, lean) + read(columns.tip.moment_of_half[1], i) + read(columns.tip.moment_of_half[0], i + 1);
@@ -208,13 +208,13 @@ struct TipMoment {
     }
 };
 
-/// Writes a velocity's rate of change, and changes it by that over a step [s]. @return v v', velocities before and after
-[[nodiscard, gnu::always_inline]] inline PinLanes kicked(Row acceleration, Row velocity, int i, const PinLanes& rate,
-                                                         const PinLanes& step) noexcept {
-    const PinLanes before = read(velocity, i), v = before + step * rate;
+/// Writes a velocity's rate of change, and changes the velocity by that over a step [s]. @return v v', velocities before and after
+[[nodiscard, gnu::always_inline]] inline PinLanes kicked(Row acceleration, double* velocity, int i, const PinLanes& rate,
+                                                         double step) noexcept {
+    const auto before = read(velocity, i), v = before + step * widened<pin_width>(rate);
     write(acceleration, i, rate);
     write(velocity, i, v);
-    return before * v;
+    return rounded(before * v);
 }
 
 /// Share of a step in the low pass by which forces of tips last: their friction is that of the step before and would pull the waves back
@@ -222,11 +222,11 @@ struct TipMoment {
 constexpr double lasting_share = 0.1;
 
 /// Accelerations and, over the step, kick_pins(). @return as kick_pins()
-inline double accelerate_pins(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns) noexcept {
+inline double accelerate_pins(const RigidCoefficients& c, const RigidKick& kick, PinColumns& columns) noexcept {
     wrap(columns, columns.tip.moments());
     PinSum energy(columns);
-    const PinLanes step(kick.step), per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass), per_slide(1.0 / c.slide_mass),
-        per_bend(1.0 / c.bend_mass);
+    const double step = kick.step;
+    const PinLanes per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass), per_slide(1.0 / c.slide_mass), per_bend(1.0 / c.bend_mass);
     const auto follow = [&, share = PinLanes(lasting_share)](const PlaneRow& tips, const Plane& now, int i) {
         write(tips, i, kick.implicit() ? read(tips, i) + share * (now - read(tips, i)) : now);
     };
@@ -244,10 +244,11 @@ inline double accelerate_pins(const RigidCoefficients& c, const RigidKick& kick,
                     bend = read(columns.force.bend, i) + read(columns.tip.force.bend, i);
         const PinLanes z = read(columns.force.z, i) + read(columns.tip.force.z, i) + rubbing,
                        slide = read(columns.force.slide, i) + read(columns.tip.force.slide, i) + parting;
-        const auto kicked_both = [&](const PlaneRow& acceleration, const PlaneRow& velocity, const Plane& rate) {
+        const auto kicked_both = [&](const PlaneRow& acceleration, const PlaneRowOf<double>& velocity, const Plane& rate) {
             return kicked(acceleration.x, velocity.x, i, rate.x, step) + kicked(acceleration.y, velocity.y, i, rate.y, step);
         };
-        const CoordinateRows &a = columns.acceleration, &v = columns.velocity;
+        const auto& a = columns.acceleration;
+        const auto& v = columns.state_velocity;
         energy.add(i, 0.5 * c.mass * (kicked_both(a.middle, v.middle, per_mass * force) + kicked(a.z, v.z, i, per_mass * z, step)) +
                           0.5 * c.tilt_mass * kicked_both(a.end, v.end, per_tilt * end) +
                           0.5 * c.slide_mass * kicked(a.slide, v.slide, i, per_slide * slide, step) +
@@ -262,27 +263,24 @@ inline double accelerate_pins(const RigidCoefficients& c, const RigidKick& kick,
     return energy.value();
 }
 
-inline void drift_pins(double step, RigidColumns& columns) noexcept {
-    const auto x = columns.position.all(), v = columns.velocity.all();
-    for (std::size_t k = 0; k < rigid_coordinates; ++k) {
-        for (int i = 0; i < columns.padded(); i += rigid_lanes) write(x[k], i, read(x[k], i) + step * read(v[k], i));
-    }
-}
-
 /// @return ½ v·M v' of the velocities before and after [J]
-inline double kick_pins(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept {
+inline double kick_pins(const RigidCoefficients& c, double step, PinColumns& columns) noexcept {
     PinSum energy(columns);
-    const auto velocity = columns.velocity.all(), acceleration = columns.acceleration.all();
+    const auto velocity = columns.state_velocity.all();
+    const auto acceleration = columns.acceleration.all();
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         PinLanes of_pins(0.0);
-        for (std::size_t k = 0; k < rigid_coordinates; ++k) {
-            const PinLanes before = read(velocity[k], i), v = before + step * read(acceleration[k], i);
-            of_pins += (0.5 * c.inertia(static_cast<int>(k))) * (before * v);
-            write(velocity[k], i, v);
-        }
+        for (std::size_t k = 0; k < rigid_coordinates; ++k)
+            of_pins += (0.5 * c.inertia(static_cast<int>(k))) * kicked(acceleration[k], velocity[k], i, read(acceleration[k], i), step);
         energy.add(i, of_pins);
     }
     return energy.value();
+}
+
+/// RigidKernels::kick.
+inline double step_pins(const RigidCoefficients& c, const RigidKick& kick, PinColumns& columns, Account& account) noexcept {
+    joint_friction(c, kick, columns, account);
+    return accelerate_pins(c, kick, columns);
 }
 
 }  // namespace

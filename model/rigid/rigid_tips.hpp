@@ -13,28 +13,22 @@
 namespace cvtflow::model {
 namespace {
 
-/// Energy and losses of tips: of each pin of a group, added up over groups.
-template <int W>
+/// Energy and losses of tips: of each of eight pins, added up over blocks.
 struct TipAccount {
-    Lanes<W> energy{0.0};                               ///< [J]
-    Lanes<W> damping{0.0}, friction{0.0}, plates{0.0};  ///< plates: as pins lengthen [W]
+    PinLanes energy{0.0};                               ///< [J]
+    PinLanes damping{0.0}, friction{0.0}, plates{0.0};  ///< plates: as pins lengthen [W]
 };
 
-/// Evaluation over a step of a leapfrog, with the friction at its end; or of velocities as they are.
-enum class Evaluation { step, instant };
-
-/// Tips of a block of pins.
-template <int W, Evaluation evaluation>
+/// Tips of one or two blocks of pins: in floats over a step of a leapfrog, with friction that acts in it; in doubles of an instant.
+template <int W>
 class TipGroup {
     using V = Lanes<W>;
-    using D = DoublesOf<W>;
     using PlaneV = PlaneOf<W>;
-    static constexpr bool implicit = evaluation == Evaluation::step;
+    static constexpr bool implicit = is_single<W>;
 
 public:
     [[gnu::always_inline]] TipGroup(const RigidCoefficients& c, const TipNumbers<W>& numbers, const SheaveMotion* sheaves,
-                                    const RigidKick& kick, const RigidColumns& columns,
-                                    const typename PinBlocks<W>::Blocks& blocks) noexcept
+                                    const RigidKick& kick, const PinColumns& columns, const typename PinBlocks<W>::Blocks& blocks) noexcept
         : c_(c), n_(numbers), kick_(kick), pins_(columns, blocks), tip_(columns.tip), motion_(c, numbers, sheaves, kick, pins_) {
         for (std::size_t k = 0; k < rigid_tips; ++k)
             tips_[k].half = &motion_.half(k), tips_[k].side = &motion_.side(k), tips_[k].number = k;
@@ -53,19 +47,19 @@ public:
         for (const Tip& tip : tips_) bounds.add(tip);
     }
 
-    [[nodiscard]] D depth(std::size_t k) const noexcept { return widened<W>(tips_[k].depth); }
+    [[nodiscard]] const V& depth(std::size_t k) const noexcept { return tips_[k].depth; }
     void show_depths() noexcept {
         for (std::size_t k = 0; k < rigid_tips; ++k) pins_.write(tip_.depth[k], depth(k));
     }
 
     void release() noexcept {
         pins_.over_blocks([&](int block) {
-            for (const RowRange& part : tip_.written_rows()) pins_.columns().clear(part, pins_[block].first, rigid_lanes);
+            for (const auto& part : tip_.written_rows()) pins_.columns().clear(part, pins_[block].first, rigid_lanes);
         });
     }
 
     /// Normal forces; and forces along z with the friction of the last step.
-    [[gnu::always_inline]] void press(const SheaveMotion* sheaves, TipAccount<W>& account) noexcept {
+    [[gnu::always_inline]] void press(const SheaveMotion* sheaves, TipAccount& account) noexcept {
         motion_.read_rates(sheaves);
         V stored(0.0), damped(0.0);
         shortened_ = V(0.0);
@@ -76,34 +70,32 @@ public:
             const V shortening = n.shortening * rate;
             tip.normal_force = n.force, tip.shortening = n.shortening;
             tip.begin = tip_slip<W>(n_, *tip.half, *tip.side, tip, shortening);
-            tip.friction = {convert<W>(pins_.read(tip_.tangential[tip.number])), convert<W>(pins_.read(tip_.radial[tip.number]))};
+            tip.friction = {pins_.read(tip_.tangential[tip.number]), pins_.read(tip_.radial[tip.number])};
             tip.capacity = capacity(tip, n.root_depth);
             shortened_ += shortening;
-            pins_.write(tip_.normal[tip.number], widened<W>(n.force));
+            pins_.write(tip_.normal[tip.number], n.force);
             stored += n.energy;
             const V drag = n.force - n.elastic;  // as in drag_power()
-            const Row dragged = tip_.damping_force[tip.number];
-            damped += (implicit ? 0.5 * (drag + convert<W>(pins_.read(dragged))) : drag) * rate;
-            pins_.write(dragged, widened<W>(drag));
+            PinReal* const dragged = tip_.damping_force[tip.number];
+            damped += (implicit ? 0.5 * (drag + pins_.read(dragged)) : drag) * rate;
+            pins_.write(dragged, drag);
         }
-        pins_.write(tip_.lengthening, widened<W>(V(-0.25) * shortened_));
-        const V here = pins_.present();
-        account.energy += here * stored;
-        account.damping += here * damped;
+        pins_.write(tip_.lengthening, V(-0.25) * shortened_);
+        add(stored, account.energy);
+        add(damped, account.damping);
         if (!implicit) return;
         pull_ = pull(pins_.columns().plate.moment);
         const RigidTipForces<W> total = forces();
         parting_ = V(0.5) * (total.z[0] - total.z[1]);
-        pins_.write(tip_.force.z, widened<W>(total.z[0] + total.z[1]));
-        pins_.write(tip_.force.slide, widened<W>(parting_));
+        pins_.write(tip_.force.z, total.z[0] + total.z[1]);
+        pins_.write(tip_.force.slide, parting_);
     }
 
     /// Friction at `friction_time`, one contact of a pin after the other, each with the velocities after those before it, in two sweeps;
     /// and the sums of all forces.
-    [[gnu::always_inline]] void rub(ReactionSum<W>& reaction, TipAccount<W>& account) noexcept {
-        const V here = pins_.present();
+    [[gnu::always_inline]] void rub(ReactionSum& reaction, TipAccount& account) noexcept {
         pull_ = pull(pins_.columns().plate.moment);
-        account.plates += here * ((implicit ? V(0.5) * (pull_ + pull(pins_.columns().plate.moment_before)) : pull_) * shortened_);
+        add((implicit ? V(0.5) * (pull_ + pull(pins_.columns().plate.moment_before)) : pull_) * shortened_, account.plates);
         VelocityChange change;
         if (implicit) predict(change);
         for (int sweep = 0; sweep < (implicit ? 2 : 1); ++sweep) {
@@ -111,9 +103,8 @@ public:
         }
         V lost(0.0);
         for (const Tip& tip : tips_) lost += store(tip, change);
-        account.friction += here * lost;
+        add(lost, account.friction);
         RigidTipForces<W> total = forces();
-        const typename ReactionSum<W>::Shares shares(motion_.driven(), here);
         for (std::size_t end = 0; end < 2; ++end) {
             const PressedTip<W> tips[] = {pressed(tips_[end]), pressed(tips_[end + 2])};
             total.add_moments(n_, tips_[end].side->side, tips);
@@ -121,7 +112,7 @@ public:
             on_sheave.fill(V(0.0));
             for (const PressedTip<W>& tip : tips) add_on_sheave<W>(tip.place, tip.force, on_sheave);
             show(tips_[end], tips[0].force), show(tips_[end + 2], tips[1].force);
-            reaction.subtract(shares, end, on_sheave);
+            subtract(on_sheave, end, reaction);
         }
         store(total);
     }
@@ -146,16 +137,28 @@ private:
         PlaneV moved_on[2];  ///< change of the velocity against the sheave at -z, +z, as pin and sheave move on
     };
 
+    /// Adds numbers of the valid pins, block by block.
+    [[gnu::always_inline]] void add(const V& terms, PinLanes& to) const noexcept {
+        pins_.over_blocks([&](int block) { to += pins_.present(block) * pins_.piece(terms, block); });
+    }
+    [[gnu::always_inline]] void subtract(const std::array<V, 6>& forces, std::size_t end, ReactionSum& from) const noexcept {
+        pins_.over_blocks([&](int block) {
+            std::array<PinLanes, 6> of_block;
+            for (std::size_t k = 0; k < of_block.size(); ++k) of_block[k] = pins_.piece(forces[k], block);
+            from.subtract(pins_.piece(motion_.driven(), block), pins_.present(block), end, of_block);
+        });
+    }
+
     /// Λ/4 by the moments of plates.
-    [[nodiscard, gnu::always_inline]] V pull(Row moment) const noexcept {
-        return V(0.25 * c_.plate_reach) * convert<W>(pins_.read(moment) - pins_.read(moment, -1));
+    [[nodiscard, gnu::always_inline]] V pull(const PinReal* moment) const noexcept {
+        return V(0.25 * c_.plate_reach) * (pins_.read(moment) - pins_.read(moment, -1));
     }
 
     /// Writes what is observed alone: radius, and forces on the sheave.
     [[gnu::always_inline]] void show(const Tip& tip, const RigidTipForce<W>& force) noexcept {
-        pins_.write(tip_.radius[tip.number], widened<W>(dot(tip.point, tip.radial)));
-        pins_.write(tip_.sheave_outward[tip.number], widened<W>(-dot(force.push + force.friction, tip.radial)));
-        pins_.write(tip_.sheave_axial[tip.number], widened<W>(-(force.push_z + force.friction_z)));
+        pins_.write(tip_.radius[tip.number], dot(tip.point, tip.radial));
+        pins_.write(tip_.sheave_outward[tip.number], -dot(force.push + force.friction, tip.radial));
+        pins_.write(tip_.sheave_axial[tip.number], -(force.push_z + force.friction_z));
     }
 
     [[nodiscard, gnu::always_inline]] PressedTip<W> pressed(const Tip& tip) const noexcept {
@@ -171,16 +174,15 @@ private:
     /// Predicts the changes if friction stays constant.
     [[gnu::always_inline]] void predict(VelocityChange& change) noexcept {
         const RigidTipForces<W> total = forces();
-        const RigidColumns& columns = pins_.columns();
-        const PlaneV middle = n_.per_mass * (convert<W>(pins_.read(columns.force.middle)) + total.half[0] + total.half[1]);
-        change.middle = middle + n_.per_bend * (convert<W>(pins_.read(columns.force.bend)) + total.bend);
-        change.end = n_.per_tilt * (convert<W>(pins_.read(columns.force.end)) + total.end);
-        const D front = pins_.read(columns.plate.friction, -1), rear = pins_.read(columns.plate.friction);
-        const D free = pins_.read(columns.force.slide) - D(0.5) * (rear + front) - pins_.read(columns.joint.friction);
-        change.free_share = convert<W>(D(1.0) - pins_.read(columns.joint.coupling));
-        change.z = n_.per_mass * (convert<W>(pins_.read(columns.force.z) + (rear - front)) + (total.z[0] + total.z[1]));
-        change.apart =
-            n_.per_half_mass * (convert<W>(free) + parting_ + change.free_share * (V(0.5) * (total.z[0] - total.z[1]) - parting_));
+        const auto& columns = pins_.columns();
+        const PlaneV middle = n_.per_mass * (pins_.read(columns.force.middle) + total.half[0] + total.half[1]);
+        change.middle = middle + n_.per_bend * (pins_.read(columns.force.bend) + total.bend);
+        change.end = n_.per_tilt * (pins_.read(columns.force.end) + total.end);
+        const V front = pins_.read(columns.plate.friction, -1), rear = pins_.read(columns.plate.friction);
+        const V free = pins_.read(columns.force.slide) - V(0.5) * (rear + front) - pins_.read(columns.joint.friction);
+        change.free_share = 1.0 - pins_.read(columns.joint.coupling);
+        change.z = n_.per_mass * ((pins_.read(columns.force.z) + (rear - front)) + (total.z[0] + total.z[1]));
+        change.apart = n_.per_half_mass * (free + parting_ + change.free_share * (V(0.5) * (total.z[0] - total.z[1]) - parting_));
         for (std::size_t end = 0; end < 2; ++end)
             change.moved_on[end] = tips_[end].side->moved_on + (V(2.0 * friction_time - 1.0) * tips_[end].side->turned_by) * turned(middle);
     }
@@ -206,9 +208,9 @@ private:
     [[nodiscard, gnu::always_inline]] V store(const Tip& tip, const VelocityChange& change) noexcept {
         const RigidSlip<W>& f = tip.friction;
         const RigidSlip<W> mean = implicit ? tip.begin + V(0.5 / friction_time) * slip_change(tip, change) : tip.begin;
-        pins_.write(tip_.tangential[tip.number], widened<W>(f.tangential));
-        pins_.write(tip_.radial[tip.number], widened<W>(f.radial));
-        pins_.write(tip_.grip[tip.number], widened<W>(implicit ? tip.factor / (1.0 - n_.response * tip.factor) : tip.factor));
+        pins_.write(tip_.tangential[tip.number], f.tangential);
+        pins_.write(tip_.radial[tip.number], f.radial);
+        pins_.write(tip_.grip[tip.number], implicit ? tip.factor / (1.0 - n_.response * tip.factor) : tip.factor);
         return -(f.tangential * mean.tangential + f.radial * mean.radial);
     }
 
@@ -239,17 +241,16 @@ private:
 
     /// Remembered speed now. A tip without friction in the last step, and one at an instant, remembers its present speed.
     [[nodiscard, gnu::always_inline]] V remember(const Tip& tip) noexcept {
-        const Row row = tip_.remembered_speed[tip.number];
+        PinReal* const row = tip_.remembered_speed[tip.number];
         const RigidSlip<W>& slip = tip.begin;
         const V speed = sqrt(slip.tangential * slip.tangential + slip.radial * slip.radial);
         V remembered = speed;
         if (implicit) {
             const V rubbed = abs(tip.friction.tangential) + abs(tip.friction.radial);
-            const V follows =
-                remembered_speed<W>(*c_.tip_law, c_.tip_friction.saturation_speed, kick_.step, convert<W>(pins_.read(row)), speed);
+            const V follows = remembered_speed<W>(*c_.tip_law, c_.tip_friction.saturation_speed, kick_.step, pins_.read(row), speed);
             remembered = select_greater<W>(rubbed, V(0.0), follows, speed);
         }
-        pins_.write(row, widened<W>(remembered));
+        pins_.write(row, remembered);
         return remembered;
     }
 
@@ -257,22 +258,22 @@ private:
         const PlaneV opening = V(0.5) * (total.half[0] - total.half[1]), sum = total.half[0] + total.half[1];
         pins_.over_blocks([&](int block) {
             const int first = pins_[block].first;
-            const Plane parting{pins_.piece(widened<W>(opening.x), block), pins_.piece(widened<W>(opening.y), block)};
+            const PlaneOf parting{pins_.piece(opening.x, block), pins_.piece(opening.y, block)};
             write(tip_.offset_moment, first, read_rolling(pins_.columns(), first) * parting);
         });
         const V numbers[] = {total.moment[0], total.moment[1]}, forces[] = {sum.x,        sum.y,       total.z[0] + total.z[1],
                                                                             total.end.x,  total.end.y, V(0.5) * (total.z[0] - total.z[1]),
                                                                             total.bend.x, total.bend.y};
-        for (int k = 0; k < 2; ++k) pins_.write(tip_.moment_of_half[k], widened<W>(numbers[k]));
+        for (int k = 0; k < 2; ++k) pins_.write(tip_.moment_of_half[k], numbers[k]);
         const auto rows = tip_.force.all();
-        for (std::size_t k = 0; k < rigid_coordinates; ++k) pins_.write(rows[k], widened<W>(forces[k]));
+        for (std::size_t k = 0; k < rigid_coordinates; ++k) pins_.write(rows[k], forces[k]);
     }
 
     const RigidCoefficients& c_;
     const TipNumbers<W>& n_;
     const RigidKick& kick_;
     PinBlocks<W> pins_;
-    const TipRows& tip_;
+    const typename RigidRowsOf<PinReal>::TipRows& tip_;
     RigidTipMotion<W> motion_;
     Tip tips_[rigid_tips];
     V pull_;       ///< Λ/4: a quarter of the force of plates that lengthens the pin [N]
@@ -281,21 +282,21 @@ private:
 };
 
 /// Tips of a whole chain in groups, between their normal forces and their friction, in the memory that the columns hold for them.
-template <int W, Evaluation evaluation>
 class HeldTips {
-    using Group = TipGroup<W, evaluation>;
+    static constexpr int W = tip_width;
+    using Group = TipGroup<W>;
 
 public:
     HeldTips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick) noexcept : numbers_(c, sheaves, kick) {
         static_assert(sizeof(HeldTips) <= held_at_least && sizeof(Group) * rigid_lanes <= held_per_block * lane_count<W>);
     }
 
-    [[gnu::noinline]] void press(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick,
-                                 const RigidColumns& columns, const typename PinBlocks<W>::Blocks& blocks) noexcept {
+    [[gnu::noinline]] void press(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, const PinColumns& columns,
+                                 const typename PinBlocks<W>::Blocks& blocks) noexcept {
         Group& group = *new (groups() + count_) Group(c, numbers_, sheaves, kick, columns, blocks);
         group.place();
         group.bound(bounds_);
-        if (evaluation == Evaluation::instant) group.show_depths();
+        if (!is_single<W>) group.show_depths();
         if (group.free()) return group.release();
         group.press(sheaves, account_);
         ++count_;
@@ -315,70 +316,63 @@ public:
     int beyond = 0;  ///< pins of a block that continues with copies of the first ones
 
 private:
-    [[nodiscard]] static double total(const Lanes<W>& terms) noexcept { return sum<lane_count<W>>(widened<W>(terms)); }
     [[nodiscard]] Group* groups() noexcept { return reinterpret_cast<Group*>(this + 1); }
 
     TipNumbers<W> numbers_;
-    TipAccount<W> account_;
-    ReactionSum<W> on_sheaves_;
+    TipAccount account_;
+    ReactionSum on_sheaves_;
     TipBounds<W> bounds_;
     int count_ = 0;
 };
-template <Evaluation evaluation>
-using Held = HeldTips<evaluation == Evaluation::step ? rigid_singles : rigid_lanes, evaluation>;
 
-/// Presses the tips of near pins over a step, in floats, two blocks at a time.
-inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
-    renew_near_pins(c, sheaves, kick, columns);
+/// Presses the tips of near pins: in a step of pins that may touch until near pins are found again.
+inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, PinColumns& columns) noexcept {
+    using Blocks = PinBlocks<tip_width>;
+    in_step ? renew_near_pins(c, sheaves, kick, columns) : find_near_pins_now(c, sheaves, columns);
     if (c.remembers()) wrap(columns, columns.tip.remembered());
-    auto& tips = *new (columns.held()) Held<Evaluation::step>(c, sheaves, kick);
-    PinBlock waiting{0, 0};
+    auto& tips = *new (columns.held()) HeldTips(c, sheaves, kick);
+    typename Blocks::Blocks blocks;
+    std::size_t found = 0;
     tips.beyond = over_near_pins(columns, [&](const PinBlock& block) {
-        if (waiting.count != 0) tips.press(c, sheaves, kick, columns, {waiting, block});
-        waiting = waiting.count != 0 ? PinBlock{0, 0} : block;
+        blocks[found++] = block;
+        if (found == blocks.size()) tips.press(c, sheaves, kick, columns, blocks), found = 0;
     });
-    if (waiting.count != 0) tips.press(c, sheaves, kick, columns, {waiting, {waiting.first, 0}});
-    for (const RowRange& part : columns.tip.written_rows()) unwrap(columns, part, tips.beyond);
+    if (found != 0) blocks.back() = {blocks[0].first, 0}, tips.press(c, sheaves, kick, columns, blocks);
+    if (!in_step) unwrap(columns, RowRange{columns.tip.depth[0], columns.tip.depth[3]}, tips.beyond);
+    for (const auto& part : columns.tip.written_rows()) unwrap(columns, part, tips.beyond);
     if (c.remembers()) unwrap(columns, columns.tip.remembered(), tips.beyond);
 }
 
-/// Finds the pins that may touch, and presses their tips with velocities as they are, in doubles.
-inline void press_tips_now(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns) noexcept {
-    find_near_pins_now(c, sheaves, columns);
-    auto& tips = *new (columns.held()) Held<Evaluation::instant>(c, sheaves, kick);
-    tips.beyond = over_near_pins(columns, [&](const PinBlock& block) { tips.press(c, sheaves, kick, columns, {block}); });
-    unwrap_tips(columns, tips.beyond);
-}
-
-template <Evaluation evaluation>
-void rub_tips(const RigidCoefficients& c, RigidColumns& columns, RigidReaction& reaction, Account& account) noexcept {
-    auto& tips = *std::launder(reinterpret_cast<Held<evaluation>*>(columns.held()));
+void rub_tips(const RigidCoefficients& c, PinColumns& columns, RigidReaction& reaction, Account& account) noexcept {
+    auto& tips = *std::launder(reinterpret_cast<HeldTips*>(columns.held()));
     tips.rub();
-    for (const RowRange& part : columns.tip.written_rows()) unwrap(columns, part, tips.beyond);
-    wrap(columns, {columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
+    for (const auto& part : columns.tip.written_rows()) unwrap(columns, part, tips.beyond);
+    wrap(columns, RowRange{columns.tip.normal[0], columns.tip.normal[rigid_tips - 1]});
     tips.store(c, reaction, account);
 }
 
-inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept {
+inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, PinColumns& columns, PinReal* depth) noexcept {
+    constexpr int W = pin_width;
     const RigidKick kick;
+    drift_pins(0.0, columns);
     pitch_lines(columns);
     rolling_frames(c, columns);
-    const TipNumbers<rigid_lanes> numbers(c, sheaves, kick);
-    TipGroup<rigid_lanes, Evaluation::instant> group(c, numbers, sheaves, kick, columns, {PinBlock{0, rigid_lanes}});
+    const TipNumbers<W> numbers(c, sheaves, kick);
+    TipGroup<W> group(c, numbers, sheaves, kick, columns, {PinBlock{0, rigid_lanes}});
     group.place();
     for (std::size_t tip = 0; tip < rigid_tips; ++tip) group.depth(tip).copy_to(depth + tip * rigid_lanes);
 }
 
-inline double contact_changes(const RigidColumns& columns) noexcept {
+inline double contact_changes(const PinColumns& columns) noexcept {
     const PinLanes one(1.0), none(0.0);
     PinLanes changes(0.0);
     for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
         for (int i = 0; i < columns.padded(); i += rigid_lanes) {
-            const PinLanes presses = select_greater<rigid_lanes>(read(columns.tip.normal[tip], i), none, one, none);
+            const auto presses = select_greater<pin_width>(read(columns.tip.normal[tip], i), none, one, none);
             changes += abs(presses - read(columns.tip.touching[tip], i));
         }
     }
-    return sum<rigid_lanes>(changes);
+    return total(changes);
 }
 
 }  // namespace

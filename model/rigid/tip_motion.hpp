@@ -16,9 +16,6 @@ namespace {
 /// Pins side by side, of which the first `count` are valid: the others, if any, are copies or are in another block as well.
 struct PinBlock {
     int first, count;
-
-    /// 1 for the first `count` pins, 0 for the others.
-    [[nodiscard, gnu::always_inline]] PinLanes present() const noexcept { return first_lanes(count); }
 };
 
 /// Columns of pins side by side, in blocks of eight.
@@ -26,52 +23,52 @@ struct PinBlock {
 template <int W>
 class PinBlocks {
 public:
-    using D = DoublesOf<W>;
-    using PlaneD = DoublePlaneOf<W>;
+    using Real = NumberOf<W>;
+    using Columns = PinColumns;
     static constexpr int lanes = lane_count<W>, count = lanes / rigid_lanes;
     using Blocks = std::array<PinBlock, count>;
 
-    PinBlocks(const RigidColumns& columns, const Blocks& blocks) noexcept : columns_(columns), blocks_(blocks) {}
+    PinBlocks(const Columns& columns, const Blocks& blocks) noexcept : columns_(columns), blocks_(blocks) {}
 
-    [[nodiscard]] const RigidColumns& columns() const noexcept { return columns_; }
+    [[nodiscard]] const Columns& columns() const noexcept { return columns_; }
     /// Pins of block 0 or 1.
     [[nodiscard]] const PinBlock& operator[](int block) const noexcept { return blocks_[static_cast<std::size_t>(block)]; }
     /// Entries of a row for all pins, or for the pins `offset` after them.
-    [[nodiscard, gnu::always_inline]] D read(const double* row, int offset = 0) const noexcept {
+    template <class Number>
+    [[nodiscard, gnu::always_inline]] auto read(const Number* row, int offset = 0) const noexcept {
         return joined([&](const PinBlock& block) { return model::read(row, block.first + offset); });
     }
-    [[nodiscard, gnu::always_inline]] PlaneD read(const PlaneRow& rows, int offset = 0) const noexcept {
-        return {read(rows.x, offset), read(rows.y, offset)};
+    template <class Number>
+    [[nodiscard, gnu::always_inline]] auto read(const PlaneRowOf<Number>& rows, int offset = 0) const noexcept {
+        return PlaneOf{read(rows.x, offset), read(rows.y, offset)};
     }
-    [[gnu::always_inline]] void write(Row row, const D& values) noexcept {
+    [[gnu::always_inline]] void write(Real* row, const Lanes<W>& values) noexcept {
         over_blocks([&](int block) { model::write(row, blocks_[static_cast<std::size_t>(block)].first, piece(values, block)); });
     }
     /// Numbers of the pins of one block.
-    [[nodiscard, gnu::always_inline]] static PinLanes piece(const D& values, int block) noexcept {
+    [[nodiscard, gnu::always_inline]] static PinLanes piece(const Lanes<W>& values, int block) noexcept {
         if constexpr (count == 1) {
             return values;
         } else {
-            return half<lanes>(values, block);
+            return half<W>(values, block);
         }
     }
     [[gnu::always_inline]] static void over_blocks(const auto& visit) noexcept {
         for (int block = 0; block < count; ++block) visit(block);
     }
-    /// 1 for valid pins, 0 for the others.
-    [[nodiscard, gnu::always_inline]] Lanes<W> present() const noexcept {
-        return convert<W>(joined([](const PinBlock& block) { return block.present(); }));
-    }
+    /// 1 for the valid pins of a block, 0 for the others.
+    [[nodiscard, gnu::always_inline]] PinLanes present(int block) const noexcept { return first_lanes((*this)[block].count); }
 
 private:
-    [[nodiscard, gnu::always_inline]] D joined(const auto& of_block) const noexcept {
+    [[nodiscard, gnu::always_inline]] auto joined(const auto& of_block) const noexcept {
         if constexpr (count == 1) {
             return of_block(blocks_[0]);
         } else {
-            return {of_block(blocks_[0]), of_block(blocks_[1])};
+            return join(of_block(blocks_[0]), of_block(blocks_[1]));
         }
     }
 
-    const RigidColumns& columns_;
+    const Columns& columns_;
     Blocks blocks_;
 };
 
@@ -109,7 +106,7 @@ struct TipNumbers {
           lead(-0.5 * kick.step),
           friction(c.tip_friction.coefficient),
           response(1.2 * kick.until_friction() * (1.0 / c.mass + 1.0 / c.tilt_mass + 1.0 / c.bend_mass)),
-          further_steps(c.further_steps + (kick.implicit() ? 0 : 2)) {
+          further_steps(c.further_steps + (is_single<W> ? 0 : 2)) {
         for (std::size_t k = 0; k < sheaves.size(); ++k) {
             const SheaveMotion &at = of[k], &low = of[k / 2 * 2];
             sheaves[k] = {at.x - low.x, at.y - low.y, at.tilt_x, at.tilt_y, at.vx,
@@ -218,9 +215,9 @@ public:
           kick_(kick),
           pins_(pins),
           columns_(pins.columns()),
-          turn_(kick.implicit() ? columns_.line.turn_ahead : columns_.line.turn),
-          offset_rate_(kick.implicit() ? columns_.rolling.offset_ahead : columns_.rolling.offset_rate) {
-        at_ = read_motion(columns_.position);
+          turn_(is_single<W> ? columns_.line.turn_ahead : columns_.line.turn),
+          offset_rate_(is_single<W> ? columns_.rolling.offset_ahead : columns_.rolling.offset_rate) {
+        at_ = read_motion(columns_.state_position, columns_.position);
         second_ = select_greater<lanes>(at_.middle.x, D(c.middle), D(1.0), D(0.0));
         driven_ = convert<W>(second_);
         const PlaneD middle = at_.middle - PlaneD{in_doubles(&SheaveMotion::x, sheaves), in_doubles(&SheaveMotion::y, sheaves)};
@@ -231,7 +228,7 @@ public:
     }
 
     [[gnu::always_inline]] void read_rates(const SheaveMotion* sheaves) noexcept {
-        rate_ = read_motion(columns_.velocity);
+        rate_ = read_motion(columns_.state_velocity, columns_.velocity);
         const D spin = in_doubles(&SheaveMotion::spin_z, sheaves);
         for (std::size_t k = 0; k < 2; ++k) {
             read_half_rates(spin, half_[k], k);
@@ -244,9 +241,8 @@ public:
     [[nodiscard]] const V& driven() const noexcept { return driven_; }
 
 private:
-    [[nodiscard, gnu::always_inline]] PinMotion<W> read_motion(const CoordinateRows& of) const noexcept {
-        return {pins_.read(of.middle), pins_.read(of.z), convert<W>(pins_.read(of.end)), convert<W>(pins_.read(of.bend)),
-                convert<W>(pins_.read(of.slide))};
+    [[nodiscard, gnu::always_inline]] PinMotion<W> read_motion(const CoordinateRowsOf<double>& state, const auto& of) const noexcept {
+        return {pins_.read(state.middle), pins_.read(state.z), pins_.read(of.end), pins_.read(of.bend), pins_.read(of.slide)};
     }
     /// A number of the sheave at -z of each pin's shaft. @param sheaves [4]
     [[nodiscard, gnu::always_inline]] D in_doubles(double SheaveMotion::*number, const SheaveMotion* sheaves) const noexcept {
@@ -257,11 +253,10 @@ private:
     }
 
     [[gnu::always_inline]] void read_half(const PlaneD& middle, HalfMotion<W>& half, std::size_t which) noexcept {
-        const PlaneD t = pins_.read(columns_.line.direction, line_of(which)), sphere = D(c_.outward) * PlaneD{t.y, -t.x};
-        half.line = convert<W>(t);
+        half.line = pins_.read(columns_.line.direction, line_of(which));
         half.outward = {half.line.y, -half.line.x};
         half.sphere = n_.outward * half.outward;
-        half.place = middle + D(share_of(which)) * pins_.read(columns_.rolling.offset) + sphere;
+        half.place = middle + widened<W>(V(share_of(which)) * pins_.read(columns_.rolling.offset) + half.sphere);
         half.centre = convert<W>(half.place);
         const D square = dot(half.place, half.place), distance = square * inverse_root<W>(square), excess = distance - c_.touching_radius;
         half.distance = convert<W>(distance);
@@ -269,17 +264,15 @@ private:
         half.clearance = c_.sine * excess;
         half.rise = n_.outward_per_half * dot(at_.end, half.outward) - V(share_of(which)) * at_.slide;
         half.bend_rise = n_.bent_outward_per_half * dot(at_.bend, half.outward);
-        if (c_.unequal) half.bend_rise -= convert<W>(pins_.read(columns_.constants.longer));
+        if (c_.unequal) half.bend_rise -= pins_.read(columns_.constants.longer);
     }
     [[gnu::always_inline]] void read_half_rates(const D& spin, HalfMotion<W>& half, std::size_t which) noexcept {
-        const D turn = pins_.read(turn_, line_of(which));
-        half.turn = convert<W>(turn);
-        half.lag = convert<W>(spin - turn);
+        half.turn = pins_.read(turn_, line_of(which));
+        half.lag = convert<W>(spin) - half.turn;
         half.slope_along = n_.per_half * dot(at_.end, half.line);
-        const PlaneD velocity = rate_.middle + D(share_of(which)) * pins_.read(offset_rate_) +
-                                (c_.outward * turn) * pins_.read(columns_.line.direction, line_of(which));
-        half.velocity = convert<W>(velocity);
-        half.drift = convert<W>(velocity - spin * turned(half.place));
+        const PlaneV against = V(share_of(which)) * pins_.read(offset_rate_) + (n_.outward * half.turn) * half.line;
+        half.velocity = convert<W>(rate_.middle) + against;
+        half.drift = convert<W>(rate_.middle - spin * turned(half.place)) + against;
         half.bend_along = n_.bent_per_half * dot(at_.bend, half.line);
         half.bend_rise_rate = n_.bent_outward_per_half * dot(rate_.bend, half.outward) + n_.outward * (half.turn * half.bend_along);
         half.ahead = V(share_of(which)) * rate_.slide;
@@ -322,9 +315,9 @@ private:
     const TipNumbers<W>& n_;
     const RigidKick& kick_;
     const PinBlocks<W>& pins_;
-    const RigidRows& columns_;
-    const Row turn_;              ///< θ' of pitch lines: in a step at the time of the coordinates
-    const PlaneRow offset_rate_;  ///< u' of halves, likewise
+    const RigidRowsOf<NumberOf<W>>& columns_;
+    const NumberOf<W>* const turn_;              ///< θ' of pitch lines: in a step at the time of the coordinates
+    const PlaneRowOf<NumberOf<W>> offset_rate_;  ///< u' of halves, likewise
     PinMotion<W> at_, rate_;
     HalfMotion<W> half_[2];
     SideMotion<W> side_[2];

@@ -129,7 +129,7 @@ double Workspace::pin_period(double speed) const noexcept {
 std::array<double, 3> Workspace::rear_half(int pin) const noexcept {
     const model::ChainLayout& at = layout();
     if (columns_have_state_) {
-        const model::CoordinateRows& at_pin = columns_->columns.position;
+        const auto& at_pin = columns_->columns.state_position;
         return {at_pin.middle.x[pin], at_pin.middle.y[pin], at_pin.z[pin]};
     }
     const double* block = states[0] + at.link_begin(pin);

@@ -1,6 +1,7 @@
 # The kernels, one source for every instruction set; which one runs is chosen at the start of a run (model/kernels/available_isas.hpp).
 # Whatever is not in an unnamed namespace would be shared between them by the linker: tests/architecture looks at their symbols.
-set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/rigid/rigid_kernels.cpp)
+set(kernel_sources model/kernels/chain_kernels.cpp model/kernels/friction_kernels.cpp model/rigid/rigid_kernels.cpp
+  model/rigid/rigid_step_kernels.cpp)
 set(CVTFLOW_KERNEL_ROWS "")
 set(CVTFLOW_KERNEL_DECLARATIONS "")
 foreach(isa ${isas})
@@ -8,9 +9,10 @@ foreach(isa ${isas})
   cvtflow_kernels(cvtflow_kernels_${isa} ${isa})
   string(APPEND CVTFLOW_KERNEL_DECLARATIONS "template <>\nChainKernels chain_kernels<Isa::${isa}>() noexcept;\n"
     "template <>\nFrictionKernels friction_kernels<Isa::${isa}>() noexcept;\n"
-    "template <>\nRigidKernels rigid_kernels<Isa::${isa}>() noexcept;\n")
+    "template <>\nRigidKernels<double> rigid_kernels<Isa::${isa}, double>() noexcept;\n"
+    "template <>\nRigidKernels<float> rigid_kernels<Isa::${isa}, float>() noexcept;\n")
   string(APPEND CVTFLOW_KERNEL_ROWS
-    "        {Isa::${isa}, chain_kernels<Isa::${isa}>, friction_kernels<Isa::${isa}>, rigid_kernels<Isa::${isa}>},\n")
+    "        {Isa::${isa}, chain_kernels<Isa::${isa}>, friction_kernels<Isa::${isa}>, rigid_kernels<Isa::${isa}, double>,\n         rigid_kernels<Isa::${isa}, float>},\n")
   list(APPEND kernel_parts cvtflow_kernels_${isa})
 endforeach()
 configure_file(model/kernels/compiled_kernels.cpp.in ${PROJECT_BINARY_DIR}/compiled_kernels.cpp @ONLY)

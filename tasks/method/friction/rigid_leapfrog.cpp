@@ -32,8 +32,8 @@ void advance(Values& to, const Values& from, double share, const Rates& rates) n
 }
 
 /// The phases are compared with all tips after the next step.
-void forget_touching(model::RigidColumns& columns, int pins) noexcept {
-    for (int tip = 0; tip < model::rigid_tips; ++tip) std::fill_n(columns.tip.touching[at(tip)], pins, -1.0);
+void forget_touching(model::StepColumns& columns, int pins) noexcept {
+    for (int tip = 0; tip < model::rigid_tips; ++tip) std::fill_n(columns.tip.touching[at(tip)], pins, -1.0F);
 }
 
 /// Tips of a pin are those of its front half, the front of the link behind, and of its rear half, the rear of the link ahead.
@@ -47,15 +47,15 @@ void set_phase(Workspace& w, int pin, int tip, bool touches) noexcept {
 /// Phases of tips: touching where they press.
 void find_touching(Workspace& w, model::RigidState& pins) noexcept {
     w.tips.have_changed = false;
-    if (pins.model.kernels().contact_changes(pins.columns) == 0.0) return;
+    if (pins.model.kernels<float>().contact_changes(pins.columns) == 0.0) return;
     w.tips.have_changed = true;
     w.tips.phases_before = w.tips.phases;
     for (int tip = 0; tip < model::rigid_tips; ++tip) {
-        const double* normal = pins.columns.tip.normal[at(tip)];
-        double* touching = pins.columns.tip.touching[at(tip)];
+        const float* normal = pins.columns.tip.normal[at(tip)];
+        float* touching = pins.columns.tip.touching[at(tip)];
         for (int pin = 0; pin < pins.columns.padded(); ++pin) {
-            const double touches = normal[pin] > 0.0 ? 1.0 : 0.0;
-            if (std::exchange(touching[pin], touches) != touches && pin < w.layout().links) set_phase(w, pin, tip, touches > 0.0);
+            const float touches = normal[pin] > 0.0F ? 1.0F : 0.0F;
+            if (std::exchange(touching[pin], touches) != touches && pin < w.layout().links) set_phase(w, pin, tip, touches > 0.0F);
         }
     }
 }
@@ -65,9 +65,11 @@ void find_touching(Workspace& w, model::RigidState& pins) noexcept {
 RigidLeapfrog::RigidLeapfrog(Workspace& workspace)
     : w_(workspace),
       pins_(workspace.columns()),
+      c_(pins_.model.coefficients()),
+      kernel_(pins_.model.kernels<float>()),
       pulleys_(workspace.variator, pins_),
       account_(workspace.energy.count()),
-      fastest_(0.5 * least_inertia(pins_.model.coefficients()) * fastest_pin * fastest_pin),
+      fastest_(0.5 * least_inertia(c_) * fastest_pin * fastest_pin),
       ledger_(pins_.ledger) {}
 
 void RigidLeapfrog::add_tasks(engine::TaskGraph& graph) {
@@ -100,29 +102,30 @@ CycleSequence RigidLeapfrog::step() {
     co_return is_suspect() ? find_fault(w_, w_.state()) : Fault{};
 }
 
-void RigidLeapfrog::links(int) noexcept {
-    pins_.model.kernels().drift(kick_.step, pins_.columns);
-    pins_.model.link_forces(kick_, pins_.columns, pins_.forces);
+void RigidLeapfrog::links(int) noexcept { kernel_.links(c_, kick_, pins_.columns, pins_.forces.account); }
+
+void RigidLeapfrog::press(int) noexcept {
+    if (!pulleys_.absent()) kernel_.press(c_, pulleys_.sheaves(), kick_, pins_.columns);
 }
 
-void RigidLeapfrog::press(int) noexcept { pins_.model.press(pulleys_.sheaves(), kick_, pins_.columns); }
+void RigidLeapfrog::plates(int) noexcept { kernel_.plates(c_, kick_, pins_.columns, pins_.forces.account); }
 
-void RigidLeapfrog::plates(int) noexcept { pins_.model.plate_friction(kick_, pins_.columns, pins_.forces); }
+void RigidLeapfrog::rub(int) noexcept {
+    if (!pulleys_.absent()) kernel_.rub(c_, pins_.columns, pins_.forces.reaction, pins_.forces.account);
+}
 
-void RigidLeapfrog::rub(int) noexcept { pins_.model.rub(pulleys_.sheaves(), kick_, pins_.columns, pins_.forces); }
-
-void RigidLeapfrog::kick(int) noexcept { pins_.model.sum_forces(kick_, pins_.columns, pins_.forces); }
+void RigidLeapfrog::kick(int) noexcept { pins_.forces.kinetic = kernel_.kick(c_, kick_, pins_.columns, pins_.forces.account); }
 
 /// Friction of the velocities as they are stays in the columns, and the first step begins with it.
 void RigidLeapfrog::start() {
-    pins_.read(w_.state());
+    std::copy_n(w_.state() + w_.layout().pulley_begin(), pins_.tail.size(), pins_.tail.begin());
+    pulleys_.place();
+    pins_.read(w_.state(), w_.variator.chain().rigid()->evaluate(w_.state(), pulleys_.sheaves()));
     ledger_ = pins_.ledger;
     shift_ = 0.0;
     kick_ = {};
     forget_touching(pins_.columns, w_.layout().links);
-    pulleys_.place();
-    pins_.model.accelerate(pulleys_.sheaves(), pins_.columns, pins_.forces);
-    const model::RigidColumns& columns = pins_.columns;
+    const model::StepColumns& columns = pins_.columns;
     columns.copy({columns.plate.slip_low, columns.plate.slip_high}, columns.plate.slip_low_before);
     columns.copy(columns.joint.slip, columns.joint.slip_before);
     columns.clear(columns.damping.waves(), 0, columns.padded());
@@ -168,7 +171,7 @@ void RigidLeapfrog::count_energy(const model::WorkRates& power) noexcept {
 void RigidLeapfrog::set_lead(double lead) noexcept {
     const double more = lead - pins_.lead;
     shift_ += (lead * lead - pins_.lead * pins_.lead) * pins_.acceleration_energy();  // ½ v·M v' at the coordinates, with no work done
-    pins_.model.kernels().kick(pins_.model.coefficients(), more, pins_.columns);
+    kernel_.shift(c_, more, pins_.columns);
     pulleys_.advance(more);
     add_energies(half_way_, more, pulleys_.works(), half_way_);
     pins_.lead = lead;
@@ -198,31 +201,32 @@ void RigidLeapfrog::visit(Method& m, const Visitor& visitor) {
     };
     energies_of(m.account_);
     energies_of(m.half_way_);
-    const model::RigidColumns& columns = m.pins_.columns;
-    const auto visit_rows = [&](const model::RowRange& rows) {
-        for (model::Row row = rows.first; row <= rows.last; row += columns.stride()) visitor(row, static_cast<std::size_t>(columns.pins()));
+    const model::StepColumns& columns = m.pins_.columns;
+    const auto visit_rows = [&](const auto& rows) {
+        for (auto* row = rows.first; row <= rows.last; row += columns.stride()) visitor(row, static_cast<std::size_t>(columns.pins()));
     };
-    for (const model::RowRange& rows : columns.kept()) visit_rows(rows);
-    if (m.pins_.model.coefficients().remembers()) visit_rows(columns.tip.remembered());
+    visit_rows(columns.state());
+    for (const auto& rows : columns.kept()) visit_rows(rows);
+    if (m.c_.remembers()) visit_rows(columns.tip.remembered());
 }
 
 void RigidLeapfrog::save(std::vector<double>& memory) const {
     memory.clear();
     if (cold_) return;
-    visit(*this, [&](const double* numbers, std::size_t count) { memory.insert(memory.end(), numbers, numbers + count); });
+    visit(*this, [&](const auto* numbers, std::size_t count) { memory.insert(memory.end(), numbers, numbers + count); });
 }
 
 void RigidLeapfrog::load(std::span<const double> memory) {
     if (memory.empty()) return start();
     std::size_t size = 0;
-    visit(*this, [&](const double*, std::size_t count) { size += count; });
+    visit(*this, [&](const auto*, std::size_t count) { size += count; });
     if (memory.size() != size) throw std::invalid_argument("state of rigid pins: wrong size");
     pins_.columns.clear_tips();
-    visit(*this, [&](double* numbers, std::size_t count) {
-        std::copy_n(memory.begin(), count, numbers);
+    visit(*this, [&](auto* numbers, std::size_t count) {
+        for (std::size_t k = 0; k < count; ++k) numbers[k] = static_cast<std::remove_pointer_t<decltype(numbers)>>(memory[k]);
         memory = memory.subspan(count);
     });
-    for (const model::RowRange& rows : pins_.columns.kept()) pins_.columns.wrap(rows);
+    for (const auto& rows : pins_.columns.kept()) pins_.columns.wrap(rows);
     forget_touching(pins_.columns, w_.layout().links);
     cold_ = false;
 }

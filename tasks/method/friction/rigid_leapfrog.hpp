@@ -115,6 +115,8 @@ private:
 
     Workspace& w_;
     model::RigidState& pins_;
+    const model::RigidCoefficients& c_;
+    const model::RigidKernels<float>& kernel_;
     RigidPulleys pulleys_;
     EnergyAccount& account_;
     EnergyAccount half_way_;      ///< account_ in the middle of the last step

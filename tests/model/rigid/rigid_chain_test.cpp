@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "model/observe/observation.hpp"
+#include "model/rigid/rigid_plates.hpp"
 #include "model/start/start_state.hpp"
 #include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
@@ -37,19 +38,19 @@ RigidColumns filled_columns(const RigidModel& model, unsigned seed) {
         columns.force.slide[pin] = between(-150.0, 150.0);
         columns.tip.force.slide[pin] = between(-150.0, 150.0);
         columns.joint.normal[pin] = std::max(0.0, between(-1000.0, 3000.0));
-        for (const Row slip : {columns.joint.slip, columns.joint.slip_before}) slip[pin] = between(-0.03, 0.03);
+        for (double* const slip : {columns.joint.slip, columns.joint.slip_before}) slip[pin] = between(-0.03, 0.03);
         columns.plate.tension[pin] = std::max(0.0, between(-1000.0, 3000.0));
-        for (const Row slip :
+        for (double* const slip :
              {columns.plate.slip_low, columns.plate.slip_high, columns.plate.slip_low_before, columns.plate.slip_high_before})
             slip[pin] = between(-0.03, 0.03);
         columns.tip.lengthening[pin] = between(-0.03, 0.03);
     }
-    columns.wrap({columns.velocity.z, columns.velocity.slide});
-    columns.wrap({columns.force.z, columns.force.slide});
-    columns.wrap({columns.tip.force.z, columns.tip.force.slide});
-    columns.wrap(columns.plate.tension);
-    columns.wrap({columns.plate.slip_low, columns.plate.slip_high_before});
-    columns.wrap(columns.tip.lengthening);
+    columns.wrap(RowRange{columns.velocity.z, columns.velocity.slide});
+    columns.wrap(RowRange{columns.force.z, columns.force.slide});
+    columns.wrap(RowRange{columns.tip.force.z, columns.tip.force.slide});
+    columns.wrap(RowRange{columns.plate.tension});
+    columns.wrap(RowRange{columns.plate.slip_low, columns.plate.slip_high_before});
+    columns.wrap(RowRange{columns.tip.lengthening});
     return columns;
 }
 
@@ -161,8 +162,8 @@ void expect_friction(int pins, FrictionLaw law) {
     AxialFriction found(p, model, before, kick.until_friction());
     solve_as_a_step(found);
     Account account;
-    model.kernels().plate_friction(model.coefficients(), kick, columns, account);
-    model.kernels().joint_friction(model.coefficients(), kick, columns, account);
+    plate_friction(model.coefficients(), kick, columns, account);
+    joint_friction(model.coefficients(), kick, columns, account);
     double largest = 0.0, held = 0.0;
     for (int pin = 0; pin < pins; ++pin) {
         const std::size_t k = AxialFriction::number(pin);
@@ -219,10 +220,10 @@ TEST(RigidLinks, FilterAddsTheForcesOfWhatLinksAccelerateBy) {
         RigidColumns columns = model.columns();
         fill_ring(model, balanced, columns);
         Account account;
-        model.kernels().filter_waves(c, {wave_step}, columns, account);
-        const PlaneRow& t = columns.line.direction;
+        filter_waves(c, {wave_step}, columns, account);
+        const PlaneRowOf<double>& t = columns.line.direction;
         const double share = wave_filter * wave_step * wave_step;
-        const auto along = [&](const PlaneRow& of, int link) {
+        const auto along = [&](const PlaneRowOf<double>& of, int link) {
             const int next = (link + 1) % columns.pins();
             return t.x[link] * (of.x[next] - of.x[link]) + t.y[link] * (of.y[next] - of.y[link]);
         };

@@ -31,12 +31,12 @@ class MemoryWatch final : public RunObserver {
 public:
     explicit MemoryWatch(const model::Parameters& parameters) : p_(parameters) {}
     void output(double time, const Workspace& workspace, const Counters&) override {
-        const model::RigidColumns& columns = workspace.rigid_pins()->columns;
-        const model::TipRows& tip = columns.tip;
+        const model::StepColumns& columns = workspace.rigid_pins()->columns;
+        const auto& tip = columns.tip;
         const std::size_t tips = static_cast<std::size_t>(model::rigid_tips * columns.pins());
         before_.resize(tips);
         for (std::size_t k = 0; k < tips; ++k) {
-            const auto at = [&](const model::TipRow& rows) { return rows[k % 4][k / 4]; };
+            const auto at = [&](const auto& rows) { return double(rows[k % 4][k / 4]); };
             const Tip now{std::hypot(at(tip.tangential), at(tip.radial)), at(tip.grip), at(tip.normal), at(tip.remembered_speed)};
             if (now.normal > 0.0 && before_[k].normal > 0.0) compare(before_[k], now, time - time_);
             before_[k] = now;

@@ -54,10 +54,11 @@ double distance(const ChainLayout& at, const std::vector<double>& a, const std::
     return std::sqrt(square / at.links);
 }
 
-/// The solution is that of the classical fourth-order method on the same forces with friction as it is.
+/// The solution is that of the classical fourth-order method on the same forces with friction as it is, to what floats leave: a link's
+/// length of 8 mm is rounded by 2e-10 m, its force by 0.05 N, and that moves a pin by 2e-9 m at most.
 TEST(RigidLeapfrog, ConvergesToTheSolutionOfItsForces) {
     const Parameters p = oracle::with_rigid_pins({});
-    const double span = 40e-6;
+    const double span = 40e-6, rounding = 2e-9;  // [s], [m]
     const Rig start = moving(p, -50e-3, 1e-6);
     const ChainLayout& at = start.variator().layout();
     const std::vector<double> exact = stepped(p, start, "rk4", span, 800);
@@ -68,7 +69,7 @@ TEST(RigidLeapfrog, ConvergesToTheSolutionOfItsForces) {
         const double error = distance(at, stepped(p, start, "leapfrog-rigid", span, steps), exact);
         RecordProperty("error_" + std::to_string(steps), std::to_string(1e9 * error) + " nm");
         EXPECT_LT(error, 1e-4 * moved) << steps;
-        EXPECT_LT(error, before) << steps << " steps: first order at least";
+        EXPECT_LT(error, std::max(before, rounding)) << steps << " steps: first order at least";
         before = 0.6 * error;
     }
 }
@@ -151,14 +152,19 @@ TEST(RigidLeapfrog, EveryInstructionSetHasTheSameBits) {
     for (const Isa isa : usable_isas()) {
         const Variator variator(p, isa);
         RigidState pins(variator.chain().rigid()->model());
-        pins.read(start.state.data());
         SheaveMotion sheaves[4];
-        variator.pulleys().motions(pins.tail.data(), sheaves);
-        pins.model.accelerate(sheaves, pins.columns, pins.forces);
+        variator.pulleys().motions(start.state.data() + variator.layout().pulley_begin(), sheaves);
+        pins.read(start.state.data(), variator.chain().rigid()->evaluate(start.state.data(), sheaves));
+        const RigidKernels<float>& kernel = pins.model.kernels<float>();
+        const RigidCoefficients& c = pins.model.coefficients();
+        const RigidKick kick{2e-6};
+        Account& account = pins.forces.account;
         for (int step = 0; step < 200; ++step) {
-            pins.model.kernels().drift(2e-6, pins.columns);
-            pins.model.accelerate(sheaves, {2e-6}, pins.columns, pins.forces);
-            static_cast<void>(pins.model.kernels().kick(pins.model.coefficients(), 2e-6, pins.columns));
+            kernel.links(c, kick, pins.columns, account);
+            kernel.press(c, sheaves, kick, pins.columns);
+            kernel.plates(c, kick, pins.columns, account);
+            kernel.rub(c, pins.columns, pins.forces.reaction, account);
+            kernel.kick(c, kick, pins.columns, account);
         }
         ends.push_back(start.state);
         pins.write(ends.back().data());
