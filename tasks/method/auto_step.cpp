@@ -101,7 +101,7 @@ const SpectralBound& AutoStep::most_limiting() const noexcept {
 void AutoStep::restart() noexcept {
     bound_.forget();
     for (SpectralBound& part : damped_parts_) part.forget();
-    checked_ = begun_ = damped_at_ = turned_ = -1e300;
+    checked_ = estimated_ = begun_ = damped_at_ = turned_ = -1e300;
     part_ = no_part;
     soonest_ = check_interval;
     damping_due_ = false;
@@ -110,24 +110,43 @@ void AutoStep::restart() noexcept {
     evaluations_ = 0;
 }
 
+bool AutoStep::spreads(double time) const noexcept {
+    return reuses_eigenvectors_ && time >= 0.0 && time - begun_ >= check_interval * (1.0 - 1e-9);
+}
+
+bool AutoStep::check_is_due(double time) const noexcept {
+    return part_ == no_part && time - checked_ >= std::min(interval_, checked_ - begun_) * (1.0 - 1e-9);
+}
+
+bool AutoStep::turn_is_due(double time) const noexcept {
+    return part_ != no_part && (!spreads(time) || time - turned_ >= turn_interval * (1.0 - 1e-9));
+}
+
+bool AutoStep::reads_state(double time) const noexcept {
+    return !reuses_eigenvectors_ || begun_ == -1e300 || check_is_due(time) || turn_is_due(time);
+}
+
 double AutoStep::longest(double time, const double* state, const model::Phase* phases) noexcept {
     if (begun_ == -1e300) begun_ = time;
-    if (clamping_has_risen(time, state)) {  // contacts follow within some milliseconds
+    if (!reuses_eigenvectors_ && clamping_has_risen(time, state)) {  // contacts follow within some milliseconds
         begun_ = time;
         soonest_ = soonest_after_rise;
     }
-    if (part_ == no_part && time - checked_ >= std::min(interval_, checked_ - begun_) * (1.0 - 1e-9)) {
-        // Contacts damp more the more they bear; what they bear hardly changes in a settled run whose clamping does not. Waves that are
-        // filtered are the links' own, whose stiffness does not change.
-        damping_due_ = time == begun_ || time - begun_ >= std::max(soonest_, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9);
-        part_ = 0;
+    if (check_is_due(time)) {
+        const double interval = std::min(interval_ < rigid_check_interval ? interval_ : rigid_estimate_interval, estimated_ - begun_);
+        if (clamping_has_risen(time, state) || time - estimated_ >= interval * (1.0 - 1e-9)) {
+            // Contacts damp more the more they bear; what they bear hardly changes in a settled run whose clamping does not. Waves that are
+            // filtered are the links' own, whose stiffness does not change.
+            damping_due_ = time == begun_ || time - begun_ >= std::max(soonest_, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9);
+            part_ = 0;
+            estimated_ = time;
+        }
         checked_ = time;
         pin_period_ = model::pin_period(chain_, variator_.layout(), state);
         if (friction_growth_ != nullptr) growth_ = friction_growth_->growth(time, state, phases);
     }
-    const bool spread = reuses_eigenvectors_ && time >= 0.0 && time - begun_ >= check_interval * (1.0 - 1e-9);
-    if (part_ != no_part && (!spread || time - turned_ >= turn_interval * (1.0 - 1e-9))) {
-        estimate(time, state, phases, spread ? turn_evaluations : SpectralBound::unlimited);
+    if (turn_is_due(time)) {
+        estimate(time, state, phases, spreads(time) ? turn_evaluations : SpectralBound::unlimited);
         turned_ = time;
     }
     const double passing =
@@ -142,7 +161,7 @@ std::array<double, 2> AutoStep::clamping(double time, const double* state) const
 
 bool AutoStep::clamping_has_risen(double time, const double* state) const noexcept {
     constexpr double rise = 1.2, small = 100.0;  // [1], [N]
-    if (reuses_eigenvectors_ || damped_parts_.empty() || damped_at_ == -1e300 || variator_.layout().pulley_size == 0) return false;
+    if (damped_parts_.empty() || damped_at_ == -1e300 || variator_.layout().pulley_size == 0) return false;
     const std::array<double, 2> now = clamping(time, state);
     return now[0] > rise * std::max(small, damped_with_[0]) || now[1] > rise * std::max(small, damped_with_[1]);
 }
@@ -163,8 +182,8 @@ void AutoStep::estimate(double time, const double* state, const model::Phase* ph
     if (damping_due_) {
         if (!damped_parts_.empty()) damped_ = limit_of(most_limiting());
         damped_at_ = time;
-        if (!damped_parts_.empty()) damped_with_ = clamping(time, state);
     }
+    if (!damped_parts_.empty() && (damping_due_ || reuses_eigenvectors_)) damped_with_ = clamping(time, state);
     stable_ = std::min({within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()), damped_});
 }
 
@@ -204,7 +223,8 @@ void AutoStep::save(std::vector<double>& memory) const {
         return;
     }
     for (const SpectralBound& part : damped_parts_) part.save(memory);
-    memory.insert(memory.end(), {static_cast<double>(part_), damping_due_ ? 1.0 : 0.0, turned_});
+    memory.insert(memory.end(),
+                  {static_cast<double>(part_), damping_due_ ? 1.0 : 0.0, turned_, estimated_, damped_with_[0], damped_with_[1]});
     bound_.save_progress(memory);
     for (const SpectralBound& part : damped_parts_) part.save_progress(memory);
 }
@@ -229,9 +249,11 @@ void AutoStep::load(std::span<const double> memory) {
     }
     for (SpectralBound& part : damped_parts_) memory = part.load(memory);
     part_ = pop_integer(memory, no_part, static_cast<int>(damped_parts_.size()));
-    const auto turn = pop_front(memory, 2);
+    const auto turn = pop_front(memory, 5);
     damping_due_ = turn[0] != 0.0;
     turned_ = turn[1];
+    estimated_ = turn[2];
+    damped_with_ = {turn[3], turn[4]};
     memory = bound_.load_progress(memory);
     for (SpectralBound& part : damped_parts_) memory = part.load_progress(memory);
 }

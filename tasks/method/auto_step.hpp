@@ -81,6 +81,7 @@ public:
 
     [[nodiscard]] double longest() const noexcept override { return longest_; }
     void restart() noexcept override;
+    [[nodiscard]] bool reads_state(double time) const noexcept override;
     /// Estimates the spectrum if the last estimate is too old: of pin halves at once, of rigid pins, a millisecond after the beginning and
     /// later, an iteration at a time, so that no call of a host takes much longer than others. time [s], state [unknowns]
     [[nodiscard]] double longest(double time, const double* state, const model::Phase* phases) noexcept override;
@@ -101,9 +102,9 @@ public:
     void load(std::span<const double> memory) override;  ///< @param memory from save()
 
 private:
-    /// check_interval of the leapfrog of rigid pins: the row of links sets its limit, which hardly changes; that of tables depends on
-    /// friction [s].
-    static constexpr double rigid_check_interval = 20e-3;
+    /// check_interval of the leapfrog of rigid pins, and time between two estimates where clamping has not risen in between: the row of
+    /// links sets its limit, which hardly changes; that of tables depends on friction [s].
+    static constexpr double rigid_check_interval = 20e-3, rigid_estimate_interval = 100e-3;
 
     /// Time after a rise of the clamping until damping is estimated again, and whenever it has doubled [s].
     static constexpr double soonest_after_rise = 0.25e-3;
@@ -117,10 +118,12 @@ private:
     [[nodiscard]] double limit_of(const SpectralBound& part) const noexcept;
     /// The one of damped_parts_, which must not be empty, with the shortest limit.
     [[nodiscard]] const SpectralBound& most_limiting() const noexcept;
-    /// Whether a clamping force has risen by a fifth since damped_parts_ were estimated, where halves bear it: contacts damp in proportion.
-    /// time [s], state [unknowns]
+    /// Whether a clamping force has risen by a fifth since damped_with_: contacts damp in proportion. time [s], state [unknowns]
     [[nodiscard]] bool clamping_has_risen(double time, const double* state) const noexcept;
     [[nodiscard]] std::array<double, 2> clamping(double time, const double* state) const noexcept;
+    [[nodiscard]] bool spreads(double time) const noexcept;  ///< an estimate is continued from turn to turn: of rigid pins, once they run
+    [[nodiscard]] bool check_is_due(double time) const noexcept;  ///< pins' period is to be renewed, and perhaps the estimate
+    [[nodiscard]] bool turn_is_due(double time) const noexcept;   ///< the present estimate is to be continued
     /// Continues the present estimate. time [s], state [unknowns]   @param budget evaluations
     void estimate(double time, const double* state, const model::Phase* phases, int budget) noexcept;
 
@@ -141,6 +144,7 @@ private:
     model::Chain chain_;
     double pin_period_ = 0.0;                   ///< period at the last estimate; 0: sets no limit [s]
     double checked_ = -1e300, begun_ = -1e300;  ///< times of the last estimate, and of the first one or of a rise [s]
+    double estimated_ = -1e300;                 ///< time at which the last estimate began [s]
     double damped_at_ = -1e300;                 ///< time of the estimate of damped_ [s]
     std::array<double, 2> damped_with_{};       ///< clamping forces there [N]
     double soonest_ = check_interval;           ///< from begun_ to the second estimate of damped_ [s]

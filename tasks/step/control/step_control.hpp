@@ -66,7 +66,9 @@ public:
     virtual ~StepChoice() = default;
     /// Longest step that is ever chosen [s]: the step grid starts from it.
     [[nodiscard]] virtual double longest() const noexcept = 0;
-    /// Longest step at a state [s]. @param time [s] @param state [layout.size()] @param phases [4 links]
+    /// Whether longest() reads the state at a time [s].
+    [[nodiscard]] virtual bool reads_state(double /*time*/) const noexcept { return true; }
+    /// Longest step at a state [s]. @param time [s] @param state [layout.size()], any where it is not read @param phases [4 links]
     [[nodiscard]] virtual double longest(double time, const double* state, const model::Phase* phases) noexcept = 0;
     /// Share of that step to take where the energy balance has used up this much of its tolerance (EnergyLedger::balance_error_ratio).
     [[nodiscard]] virtual double caution(double balance_error_ratio) const noexcept = 0;

@@ -217,9 +217,9 @@ void StepController::plan_step() {
 /// Length of automatic steps, at the start of a leg: shorter as soon as needed, longer only if the gain is worth it.
 void StepController::choose_step() {
     StepChoice& choice = *settings_.choice;
-    const double longest =
-        std::min(method_.longest_step(choice.longest()),
-                 choice.caution(w_.energy.balance_error_ratio()) * choice.longest(w_.step.time, w_.state(), w_.tips.phases.data()));
+    const double* state = choice.reads_state(w_.step.time) ? w_.state() : nullptr;  // rigid pins have theirs elsewhere, and copy it
+    const double longest = std::min(method_.longest_step(choice.longest()), choice.caution(w_.energy.balance_error_ratio()) *
+                                                                                choice.longest(w_.step.time, state, w_.tips.phases.data()));
     StepGrid next = grid_;
     next.divide(longest);
     const bool longer = next.step > grid_.step;
