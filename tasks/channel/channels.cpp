@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/base/text.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -331,6 +333,13 @@ std::vector<std::string> unknown_channels(std::span<const std::string> names) {
     for (const std::string& name : names)
         if (std::ranges::none_of(channels(), [&](const Channel& channel) { return means(name, channel); })) unknown.push_back(name);
     return unknown;
+}
+
+std::string channel_hint(std::string_view unknown) {
+    if (unknown == "balance/suspicion") return " (named balance/error_ratio since 0.4)";
+    std::vector<std::string> names;
+    for (const Channel& channel : channels()) names.emplace_back(channel.name);
+    return engine::did_you_mean(engine::closest(unknown, names));
 }
 
 }  // namespace cvtflow::tasks

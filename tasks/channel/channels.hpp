@@ -105,6 +105,8 @@ struct QuotientChannels {
 
 /// Unknown names of record.channels, in order.
 [[nodiscard]] std::vector<std::string> unknown_channels(std::span<const std::string> names);
+/// ` (did you mean "slip"?)`, or what became of a channel of an earlier version; empty where no name is near.
+[[nodiscard]] std::string channel_hint(std::string_view unknown);
 
 /// The part of the catalogue in further_channels.cpp.
 [[nodiscard]] std::span<const Channel> further_channels();

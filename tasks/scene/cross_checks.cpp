@@ -169,10 +169,7 @@ Violation method_estimates_error(const Scene& scene) {
 Violation channels_exist(const Scene& scene) {
     const std::vector<std::string> unknown = unknown_channels(scene.run.channels);
     if (unknown.empty()) return {};
-    std::vector<std::string> names;
-    for (const Channel& channel : channels()) names.emplace_back(channel.name);
-    return fmt::format("record.channels: unknown channel '{}'{} (cvtflow list channels)", unknown.front(),
-                       engine::did_you_mean(engine::closest(unknown.front(), names)));
+    return fmt::format("record.channels: unknown channel '{}'{} (cvtflow list channels)", unknown.front(), channel_hint(unknown.front()));
 }
 
 Violation executor_exists(const Scene& scene) {

@@ -74,13 +74,10 @@ private:
     }
 
     std::string read_channel() {
-        std::vector<std::string> names;
         for (const Channel& channel : channels()) {
-            names.emplace_back(channel.name);
             if (channel.name == name_) term_.channel = &channel;
         }
-        if (term_.channel == nullptr)
-            return fmt::format("unknown channel {}{}", toml_text(name_), engine::did_you_mean(engine::closest(name_, names)));
+        if (term_.channel == nullptr) return fmt::format("unknown channel {}{}", toml_text(name_), channel_hint(name_));
         const bool several = !term_.channel->axis.empty();
         if (several != indexed_)
             return several ? fmt::format("{0} has several numbers; write {0}[0] … or {0}[*] for all of them", name_)
