@@ -115,6 +115,8 @@ fs::path find_scene(const std::string& argument) {
         if (fs::is_regular_file(folder / "sweeps" / (argument + ".toml"), unreadable))
             throw SceneError(fmt::format("'{0}' is a ready sweep, not a scene; to run it: cvtflow batch {0}", argument));
     }
+    for (const fs::directory_entry& file : fs::directory_iterator(".", unreadable))
+        if (file.path().extension() == ".toml") names.push_back(file.path().filename().string());
     const std::string near = engine::closest(argument, names);
     const std::string hint = near.empty() ? "cvtflow list scenes" : fmt::format("did you mean '{}'?", near);
     throw SceneError(fmt::format("no scene '{}' ({})", argument, hint));

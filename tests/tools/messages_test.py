@@ -28,6 +28,7 @@ ON_THE_COMMAND_LINE = (
     ("run tiny --til 1ms", 2, "The following arguments were not expected: 1ms --til, did you mean '--until'? (cvtflow run --help)"),
     ("run tiny --frobnicate", 2, "The following argument was not expected: --frobnicate (cvtflow run --help)"),
     ("run tiny --dry-run", 2, "The following argument was not expected: --dry-run, did you mean 'cvtflow check'? (cvtflow run --help)"),
+    ("check tiny --dry-run", 2, "The following argument was not expected: --dry-run (cvtflow check --help)"),
     ("info", 2, "FILE is required (cvtflow info --help)"),
     ("explain", 2, "KEY is required (cvtflow explain --help)"),
     ("list method", 2, "no list 'method', did you mean 'methods'?"),
@@ -41,6 +42,7 @@ ON_THE_COMMAND_LINE = (
 IN_SCENES = (
     ("run basline", 1, "no scene 'basline' (did you mean 'baseline'?)"),
     ("run zzzzzzz", 1, "no scene 'zzzzzzz' (cvtflow list scenes)"),
+    ("run broken.tml", 1, "no scene 'broken.tml' (did you mean 'broken.toml'?)"),
     ("run missing.toml", 1, "missing.toml: cannot be read: No such file or directory"),
     ("run ./folder", 1, "./folder: cannot be read: a folder, not a file"),
     ("run broken.toml", 1, BROKEN),

@@ -36,6 +36,13 @@ class PlotCommand(Program):
             self.assertEqual(self.out(f"plot run.h5 {kind} -o p.svg --force"), "p.svg\n")
             self.assertTrue(read("p.svg").startswith("<svg"), kind)
 
+    def test_draws_pdf_and_a_channel_with_the_name_of_a_folder(self):
+        os.mkdir("slip")
+        for name in ("a.pdf", "b.pdf"):
+            self.cvtflow(f"plot run.h5 slip -o {name}")
+        self.assertTrue(Path("a.pdf").read_bytes().startswith(b"%PDF-"))
+        self.assertEqual(Path("a.pdf").read_bytes(), Path("b.pdf").read_bytes())
+
     def test_the_csv_has_the_numbers_of_the_record(self):
         drawn = self.csv("run.h5 ratio", "ratio")
         self.assertEqual(read("p.csv").splitlines()[0], "plot,series,x,y,x axis,y axis")
@@ -232,7 +239,7 @@ class PlotCommand(Program):
                 ("run.h5 shaft_1/slip", 2, "cvtflow: shaft_1/slip: run.h5 was recorded without this channel (record it with --set "
                                            "record.channels=shaft_1/slip)\n"),
                 ("none.h5", 1, "none.h5: No such file or directory"),
-                ("run.h5 -o p.pdf", 2, "expected FILE.svg, FILE.png or FILE.csv"),
+                ("run.h5 -o p.gif", 2, "expected FILE.svg, FILE.png, FILE.pdf or FILE.csv"),
                 ("run.h5 --y slip", 2, "are for sweeps"),
                 ("run.h5 --x shaft_1 slip", 2, "--x shaft_1: "),
                 ("run.h5 --x slip --losses", 2, "--with and --x are for curves of channels"),

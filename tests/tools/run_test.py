@@ -240,11 +240,13 @@ class Commands(Program):
             self.has(self.out(f"{line} --until '1 us' -o none {SETTLING}"), "kernels             baseline")
 
     def test_explain_keys_sections_terms_channels_notes_and_values(self):
-        """Section joint and term joint: keys come first. Words of several keys' names stay errors with suggestions."""
+        """Section joint and term joint: keys come first. Of other words it lists what has them in its meaning."""
         for words, begin, *parts in (
                 ("tip.radius", "tip.radius\n"), ("tip", "", "tip.radius\n", "tip.angle\n"), ("joint", "", "joint.friction_coefficient\n"),
                 ("creep", "", "creep\n  Sliding of tips that a chain which holds"), ("'thrust ratio'", "", "S_1/S_2"),
                 ("friction_slip", "", "\n  channel of records; unit: 1\n"), ("target_missed", "", "\n  note of runs and cases\n"),
+                ("underdrive", "underdrive\n  in the meaning of: ratio\n"),
+                ("Cylinder", "Cylinder\n  in the meaning of: ", "pulley.cylinder_damping"),
                 ("palmgren", "joint.law\n"), ("safety", "safety factor\n"),
                 *((word, f"{word}\n  ") for word in ("settle", "steady", "not_steady", "archard", "rainflow")),
                 ("chain.pins --scene tiny", "", "here:     24 in tiny"),

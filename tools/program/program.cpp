@@ -83,7 +83,8 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     const bool unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
     std::string near = unknown && !chosen.empty() ? near_option(*chosen.front(), error.what()) : std::string{};
     if (unknown && !chosen.empty() && near.empty()) near = split_setting(*chosen.front(), error.what());
-    if (unknown && near.empty() && std::string_view(error.what()).ends_with("--dry-run")) near = "cvtflow check";
+    const bool checks = !chosen.empty() && chosen.front()->get_name() == "check";
+    if (unknown && near.empty() && !checks && std::string_view(error.what()).ends_with("--dry-run")) near = "cvtflow check";
     print_error(fmt::format("{}{} ({} {}--help)", error.what(), near.empty() ? "" : fmt::format(", did you mean '{}'?", near),
                             program_name(), chosen.empty() ? "" : chosen.front()->get_name() + " "));
     return static_cast<int>(ExitStatus::usage);

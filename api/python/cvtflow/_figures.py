@@ -435,8 +435,8 @@ def csv(panels):
 
 
 def picture(made, kind):
-    """A figure as bytes of SVG or PNG, the same every time."""
-    from matplotlib.backends import backend_agg, backend_svg
+    """A figure as bytes of SVG, PNG or PDF, the same every time."""
+    from matplotlib.backends import backend_agg, backend_pdf, backend_svg
 
     engine, canvas, dpi, text = made.get_layout_engine(), made.canvas, made.dpi, io.BytesIO()
     try:
@@ -444,10 +444,12 @@ def picture(made, kind):
             if engine is not None:
                 engine.execute(made)
                 made.set_layout_engine("none")
-            drawn = (backend_agg.FigureCanvasAgg if kind == "png" else backend_svg.FigureCanvasSVG)(made)
+            drawn = {"png": backend_agg.FigureCanvasAgg, "pdf": backend_pdf.FigureCanvasPdf, "svg": backend_svg.FigureCanvasSVG}[kind](made)
             made.dpi = matplotlib.rcParams["savefig.dpi"]
             if kind == "png":  # Figure.savefig draws everything twice
                 drawn.print_png(text, metadata={"Software": None}, pil_kwargs={"compress_level": 3})
+            elif kind == "pdf":
+                drawn.print_pdf(text, metadata=dict.fromkeys(("CreationDate", "Creator", "Producer")))
             else:
                 drawn.print_svg(text, metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
     finally:
@@ -456,7 +458,7 @@ def picture(made, kind):
         made.set_layout_engine(engine)
         if "matplotlib.pyplot" in sys.modules:
             sys.modules["matplotlib.pyplot"].close(made)
-    return text.getvalue() if kind == "png" else _plain_svg(text.getvalue().decode())
+    return _plain_svg(text.getvalue().decode()) if kind == "svg" else text.getvalue()
 
 
 def _plain_svg(svg):

@@ -34,7 +34,7 @@ def _chosen(option, requested, known, everything, usual):
         return list(everything)
     for name in names:
         if name not in known:
-            raise Misuse(f"{option}: the scene has no '{name}'{suggestion(name, known)}")
+            raise Misuse(f"{option}: the scene has no '{name}'{suggestion(name, known) or ', only ' + ', '.join(known)}")
     return names or [name for name in usual if name in known] or list(everything)
 
 

@@ -18,7 +18,7 @@ def declare(parser):
     add = parser.add_argument
     add("-o", "--output", metavar="FILE.fmu", help="File to write; must not exist (default: SCENE.fmu)")
     add("--force", action="store_true", help=FORCE)
-    add("--fmi", metavar="N", type=int, choices=(2, 3), default=3, help="Version of the standard, 2 or 3 (default: 3)")
+    add("--fmi", metavar="N", type=lambda version: int(version.removesuffix(".0")), choices=(2, 3), default=3, help="Version of the standard, 2 or 3 (default: 3)")
     for option, what, text in (("--inputs", "NAME,...", "Inputs by name, separated by commas (default: all inputs of the scene)"),
                                ("--outputs", "CHANNEL,...", "Channels, separated by commas, or all (default: a dozen)"),
                                ("--parameters", "KEY,...", "Keys of the machine, separated by commas, or all (default: a dozen); the others "

@@ -15,7 +15,7 @@ cvtflow plot run.h5 slip --with bench.csv    cvtflow plot SWEEP --x load.torque 
 For channels of more than four numbers, minimum, mean and maximum are drawn.
 A file that exists is replaced with --force, or under its default name in results/.
 """
-ENDINGS = (".svg", ".png", ".csv")
+ENDINGS = (".svg", ".png", ".pdf", ".csv")
 
 
 def declare(parser):
@@ -23,7 +23,7 @@ def declare(parser):
     add("words", metavar="FILE ... [CHANNEL ...]", nargs="+", type=file_or_result(files=True),
         help="Records or sweeps, then channels or groups of channels (default: channels without a group)")
     add("-o", "--output", metavar="FILE",
-        help="Picture or table to write: FILE.svg, FILE.png or FILE.csv (default: beside the input, .svg)")
+        help="Picture or table to write: FILE.svg, FILE.png, FILE.pdf or FILE.csv (default: beside the input, .svg)")
     add("--orders", action="store_true", help="Draw amplitudes over orders of the pin passing frequency")
     add("--every-output", action="store_true",
         help="Draw every output, also for more than 60 pin periods (default then, but for lengths: means over each period)")
@@ -41,9 +41,9 @@ def declare(parser):
 
 
 def _sorted_words(words):
-    """Files, which come first, and channels."""
-    files = 1
-    while files < len(words) and os.path.exists(words[files]):
+    """Files, which come first, and channels: a word that names both a folder and a channel is the channel, behind a record."""
+    files, of_record = 1, not os.path.isdir(words[0])
+    while files < len(words) and os.path.exists(words[files]) and not (of_record and os.path.isdir(words[files])):
         files += 1
     return words[:files], words[files:]
 
@@ -92,7 +92,7 @@ def act(given):
     path = picture_path(given.output, files[0], "plot.svg")
     kind = os.path.splitext(path)[1]
     if kind not in ENDINGS:
-        raise UsageError(f"-o {path}: expected FILE.svg, FILE.png or FILE.csv")
+        raise UsageError(f"-o {path}: expected FILE.svg, FILE.png, FILE.pdf or FILE.csv")
     output = Output(path, inputs_of([*files, given.measured]), given.force, named=bool(given.output))
     matplotlib()
     from .. import _figures

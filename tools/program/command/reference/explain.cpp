@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -54,6 +55,20 @@ std::string meaning_of(const std::string& word) {
     return {};
 }
 
+/// A line with the keys, channels and terms whose meaning contains the word; empty if none does.
+std::string found_in_meanings(const std::string& word) {
+    std::string names;
+    const auto search = [&](std::string_view name, std::string_view meaning) {
+        const auto same = [](char a, char b) { return std::tolower(a) == std::tolower(b); };
+        if (std::ranges::search(meaning, word, same).empty() && std::ranges::search(name, word, same).empty()) return;
+        names += (names.empty() ? "" : ", ") + std::string(name);
+    };
+    for (const tasks::Parameter& key : tasks::parameter_table()) search(key.key, key.meaning);
+    for (const tasks::Channel& channel : tasks::channels()) search(channel.name, channel.description);
+    for (const Term& term : terms) search(term.word, term.meaning);
+    return names.empty() ? "" : fmt::format("{}\n  in the meaning of: {}\n", word, names);
+}
+
 struct ExplainArguments {
     std::vector<std::string> words;
     SceneArguments scene;
@@ -85,8 +100,9 @@ std::string explanation_of(const std::string& word, const tasks::Scene* scene) {
     std::vector<std::string> keys = keys_where([&](const auto& key) { return key.key == word || key.section() == word; });
     if (const std::string meaning = keys.empty() ? meaning_of(word) : ""; !meaning.empty()) return meaning;
     if (keys.empty()) keys = keys_where([&](const auto& key) { return std::ranges::find(key.choices, word) != key.choices.end(); });
-    if (keys.empty()) return tasks::explain(word);
-    std::string text;
+    const std::string found = keys.empty() ? found_in_meanings(word) : "";
+    if (keys.empty() && found.empty()) return tasks::explain(word);
+    std::string text = found;
     for (const std::string& key : keys)
         text += (text.empty() ? "" : "\n") + tasks::explain(key) + (scene != nullptr ? scene_lines(key, *scene) : "");
     return text;

@@ -10,12 +10,14 @@ struct Term {
 };
 
 inline constexpr Term terms[] = {
+    {"variator", "Two pulleys and a chain, whose ratio changes without steps."},
     {"shaft", "Shaft 1 drives, shaft 2 is driven; each carries a pulley."},
     {"pulley", "Two sheaves on a shaft, with the chain between them."},
     {"sheave", "A cone of a pulley. One of the two is fixed, the other one moves along the shaft."},
     {"clamping force", "Force that presses the movable sheave toward the chain: S_1 on shaft 1, S_2 on shaft 2."},
-    {"thrust ratio", "S_1/S_2, which holds a ratio under a load."},
-    {"ratio", "Speed of shaft 1 over that of shaft 2; above 1 the variator slows down (low), below 1 it speeds up (overdrive)."},
+    {"thrust ratio", "S_1/S_2, which holds a ratio under a load (KpKs in papers)."},
+    {"ratio",
+     "Speed of shaft 1 over that of shaft 2; above 1 the variator slows down (low, underdrive), below 1 it speeds up (overdrive)."},
     {"running radius", "Radius of the chain on a pulley, as the position of the movable sheave gives it."},
     {"wrap", "Angle of a pulley along which the chain touches it."},
     {"pin", "Rocker pin between two links: two halves that roll on each other."},
@@ -27,7 +29,7 @@ inline constexpr Term terms[] = {
     {"pitch", "Distance from pin to pin along a link; unequal pitches make less tone."},
     {"strand", "Free part of the chain between the pulleys: the tight one pulls more than the slack one."},
     {"guide", "Slide rails on both sides of a strand, which bound its vibrations."},
-    {"slip", "1 - ratio of speeds over ratio of radii by the pins: creep of a chain that holds, or sliding."},
+    {"slip", "1 - ratio of speeds over ratio of radii by the pins: creep of a chain that holds, or sliding (gross or macro slip)."},
     {"creep", "Sliding of tips that a chain which holds needs to carry its torque: some per mille."},
     {"creep loss", "Power that tips lose by sliding along the circumference, over the power that is transmitted."},
     {"slip by friction", "Slip that friction makes: the part of it that is zero without torque (friction_slip)."},
