@@ -211,7 +211,6 @@ class Errors(Program):
         self.expect(OF_PLACES)
 
     def test_in_the_program_name_the_other_one(self):
-        self.has(self.err("fit", 2), "did you mean 'cvtflow.fit of the Python module'?")
         if LAB.exists():
             for command in commands_of(LAB) - commands_of(PROGRAM):
                 self.has(self.err(command, 2), f"(cvtflow --help, or cvtflow-lab {command})\n")

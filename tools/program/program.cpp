@@ -39,7 +39,7 @@ bool is_command(const Program& program, const std::string& word) {
         print_error(fmt::format("no command '{0}', did you mean '{1} {2} {0}'? ({1} --help)", word, program.name, command));
         return false;
     }
-    const std::string near = word == "fit" ? "cvtflow.fit of the Python module" : engine::closest(word, names);
+    const std::string near = engine::closest(word, names);
     print_error(fmt::format("no command '{}'{} ({} --help, or {} {})", word, near.empty() ? "" : fmt::format(", did you mean '{}'?", near),
                             program.name, program.other, word));
     return false;
