@@ -233,15 +233,14 @@ std::unique_ptr<HostSimulation> HostSimulation::copy() {
     const tasks::IntegrationState& now = simulation_.integration_state();
     const model::StartState start{now.state, now.phases, {}, 0.0};
     auto other = std::make_unique<HostSimulation>(scene_, threads_, segments_, &start);
-    other->restore({scene_->fingerprint(), simulation_.workspace().variator.pulleys().torques().held(), now});
+    other->restore({scene_->fingerprint(), now});
     other->start_differences_ = start_differences_;
     return other;
 }
 
 std::vector<std::byte> HostSimulation::state() {
     const Scope scope(*this, Scope::As::visitor);
-    return write_state_bytes(scene_->fingerprint(), simulation_.workspace().variator.pulleys().torques().held(),
-                             simulation_.integration_state());
+    return write_state_bytes(scene_->fingerprint(), simulation_.integration_state());
 }
 
 void HostSimulation::rhs(double t, const double* x, double* out) {
@@ -270,7 +269,7 @@ void HostSimulation::restore(StateRecord record) {
     const Scope scope(*this, Scope::As::stepper);
     if (record.fingerprint != scene_->fingerprint())
         throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");
-    translated(ErrorCode::state, [&] { simulation_.restore(std::move(record.integration), &record.held); });
+    translated(ErrorCode::state, [&] { simulation_.restore(std::move(record.integration)); });
     channels_.changed();
     last_stop_ = std::numeric_limits<double>::infinity();
     callbacks_.restart(simulation_.time());

@@ -7,8 +7,7 @@
 #include <sstream>
 
 #include "api/fmi/fmi.hpp"
-#include "api/host/state_bytes.hpp"
-#include "engine/base/hash.hpp"
+#include "engine/base/archive.hpp"
 #include "engine/base/text.hpp"
 #include "tasks/scene/units.hpp"
 
@@ -220,52 +219,42 @@ void Instance::restore(const Snapshot& snapshot) {
 
 namespace {
 
-constexpr std::string_view magic = "CVTFMU02";
-
-template <class T>
-void add(std::vector<std::byte>& bytes, const T& value) {
-    const auto* from = reinterpret_cast<const std::byte*>(&value);
-    bytes.insert(bytes.end(), from, from + sizeof value);
+void visit(Snapshot& of, std::string& names, std::vector<double>& values, std::vector<std::byte>& state, engine::Archive& archive) {
+    archive("fmu_start", of.start), archive("fmu_time", of.now), archive("fmu_ready", of.ready);
+    archive("parameters", names), archive("parameter_values", values), archive("state", state);
 }
 
 }  // namespace
 
 std::vector<std::byte> Snapshot::bytes() const {
-    std::vector<std::byte> bytes;
-    for (const char letter : magic) add(bytes, letter);
-    add(bytes, start);
-    add(bytes, now);
-    add(bytes, static_cast<std::uint64_t>(ready));
-    add(bytes, static_cast<std::uint64_t>(parameters.size()));
-    for (const auto& [key, value] : parameters) {
-        add(bytes, static_cast<std::uint64_t>(key.size()));
-        for (const char letter : key) add(bytes, letter);
-        add(bytes, value);
-    }
-    add(bytes, engine::Hash().add(std::span<const std::byte>(bytes)).value());  // the state has a checksum
-    bytes.insert(bytes.end(), state.bytes().begin(), state.bytes().end());
+    Snapshot copy = *this;
+    std::string names;
+    std::vector<double> values;
+    for (const auto& [key, value] : parameters) names += key + '\n', values.push_back(value);
+    std::vector<std::byte> bytes, inside(state.bytes().begin(), state.bytes().end());
+    engine::begin_state(bytes);
+    engine::Archive archive = engine::Archive::to(bytes);
+    visit(copy, names, values, inside, archive);
+    engine::seal_state(bytes);
     return bytes;
 }
 
 Snapshot Snapshot::from_bytes(std::span<const std::byte> bytes) {
-    api::UnreadBytes rest(bytes, "saved state of an FMU: truncated");
-    if (std::memcmp(rest.take(magic.size()).data(), magic.data(), magic.size()) != 0)
-        throw Error(ErrorCode::state, "saved state of an FMU: malformed");
-    Snapshot made;
-    made.start = rest.value<double>();
-    made.now = rest.value<double>();
-    made.ready = rest.value<std::uint64_t>() != 0;
-    for (auto left = rest.value<std::uint64_t>(); left > 0; --left) {
-        const auto letters = rest.take(rest.value<std::uint64_t>());
-        const std::string key(reinterpret_cast<const char*>(letters.data()), letters.size());
-        made.parameters[key] = rest.value<double>();
+    try {
+        Snapshot made;
+        std::string names;
+        std::vector<double> values;
+        std::vector<std::byte> inside;
+        engine::read_fields(engine::fields_of_state(bytes), [&](auto& archive) { visit(made, names, values, inside, archive); });
+        std::istringstream lines(names);
+        std::string key;
+        for (const double value : values) std::getline(lines, key), made.parameters[key] = value;
+        made.state = State::from_bytes(inside);
+        if (!std::isfinite(made.start) || !std::isfinite(made.now)) throw engine::ArchiveError("its times are not finite");
+        return made;
+    } catch (const engine::ArchiveError& error) {
+        throw Error(ErrorCode::state, std::string("saved state of an FMU: ") + error.what());
     }
-    const std::uint64_t header = engine::Hash().add(bytes.first(bytes.size() - rest.rest().size())).value();
-    if (rest.value<std::uint64_t>() != header) throw Error(ErrorCode::state, "saved state of an FMU: it is damaged");
-    made.state = State::from_bytes(rest.rest());
-    if (!std::isfinite(made.start) || !std::isfinite(made.now))
-        throw Error(ErrorCode::state, "saved state of an FMU: its times are not finite");
-    return made;
 }
 
 }  // namespace cvtflow::fmi

@@ -65,17 +65,15 @@ void FittedChoice::restart() noexcept {
     steps_since_review_ = 0;
 }
 
-void FittedChoice::save(std::vector<double>& memory) const {
-    memory.insert(memory.end(), {fitted_real_, fitted_imaginary_, max_recent_extent_, static_cast<double>(steps_since_review_)});
-    SpectralChoice::save(memory);
-}
-
-std::span<const double> FittedChoice::load(std::span<const double> memory) {
-    const auto fit = pop_front(memory, 3);
-    if (fit[0] > 0.0) refit(fit[0], fit[1]);  // the same polynomial again
-    max_recent_extent_ = fit[2];
-    steps_since_review_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
-    return SpectralChoice::load(memory);
+void FittedChoice::visit(engine::Archive& archive) {
+    double real = fitted_real_, imaginary = fitted_imaginary_, recent = max_recent_extent_;
+    int steps = steps_since_review_;
+    archive("fitted_real", real), archive("fitted_imaginary", imaginary), archive("recent_extent", recent);
+    archive("steps_since_review", steps, 0, std::numeric_limits<int>::max());
+    if (archive.reads() && real > 0.0) refit(real, imaginary);  // the same polynomial again
+    max_recent_extent_ = recent;
+    steps_since_review_ = steps;
+    SpectralChoice::visit(archive);
 }
 
 double FittedChoice::longest(double requested) {

@@ -25,8 +25,7 @@ public:
 
     [[nodiscard]] int fits() const noexcept { return fits_; }
     void restart() noexcept override;
-    void save(std::vector<double>& memory) const override;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory) override;
+    void visit(engine::Archive& archive) override;
 
 protected:
     /// h [s]

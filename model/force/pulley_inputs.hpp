@@ -84,6 +84,17 @@ struct HeldInputs {
     std::array<ReferenceAngle, 2> reference{};  ///< one per shaft
     bool coupled = false;  ///< whether couplings, load mode speed and hydraulics have taken over (ShaftTorques::couple)
     bool operator==(const HeldInputs&) const = default;
+    /// Calls field(name, value) for all of it.
+    template <class Field>
+    void visit(Field& field) {
+        for (std::size_t k = 0; k < input_count; ++k) field(input_table[k].name, values.value[k]);
+        field("references", reference), field("coupled", coupled);
+        bool holds = sheave.has_value();
+        field("holds_sheave", holds);
+        if (!holds) return sheave.reset();
+        if (!sheave) sheave.emplace();
+        field("sheave", *sheave);
+    }
 };
 
 class ShaftTorques {

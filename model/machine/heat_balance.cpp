@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
 namespace cvtflow::model {
@@ -46,18 +45,8 @@ double HeatBalance::stored() const noexcept {
     return heat_.pulley_capacity * (m_.pulleys - start_) + heat_.oil_capacity * (m_.oil - start_);
 }
 
-void HeatBalance::save(std::vector<double>& memory) const {
-    memory.clear();
-    if (!heat_.enabled) return;
-    memory.resize(sizeof(Memory) / sizeof(double));
-    std::memcpy(memory.data(), &m_, sizeof(Memory));
-}
-
-bool HeatBalance::load(std::span<const double> memory) noexcept {
-    if (memory.empty()) return true;
-    if (!heat_.enabled || memory.size() != sizeof(Memory) / sizeof(double)) return false;
-    std::memcpy(&m_, memory.data(), sizeof(Memory));
-    return std::isfinite(m_.pulleys) && std::isfinite(m_.oil) && m_.pulleys > 0.0 && m_.oil > 0.0;
+bool HeatBalance::valid() const noexcept {
+    return !heat_.enabled || (std::isfinite(m_.pulleys) && std::isfinite(m_.oil) && m_.pulleys > 0.0 && m_.oil > 0.0);
 }
 
 }  // namespace cvtflow::model

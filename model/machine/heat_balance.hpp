@@ -2,8 +2,6 @@
 /// Temperatures of pulleys with chain, and of the oil around them, by a lumped heat balance of the losses. (model/EQUATIONS.md section 12)
 
 #include <array>
-#include <span>
-#include <vector>
 
 #include "model/parameters/chain_layout.hpp"
 #include "model/parameters/parameters.hpp"
@@ -28,10 +26,16 @@ public:
     [[nodiscard]] double taken() const noexcept { return m_.taken; }  ///< heat that ambient has received since t = 0 [J]
     [[nodiscard]] double stored() const noexcept;                     ///< heat stored since t = 0 [J]
 
-    /// Writes the memory of saved states; empty if the balance is off.
-    void save(std::vector<double>& memory) const;
-    /// @return false for a malformed memory
-    [[nodiscard]] bool load(std::span<const double> memory) noexcept;
+    /// Calls field(name, number) for all that a state has to keep; none if the balance is off.
+    template <class Field>
+    void visit(Field& field) {
+        if (!heat_.enabled) return;
+        field("heat_time", m_.time), field("temperature_pulleys", m_.pulleys), field("temperature_oil", m_.oil);
+        field("heat_lost_by_tips", m_.lost_by_tips), field("heat_lost_else", m_.lost_else);
+        field("heat_given", m_.given), field("heat_taken", m_.taken);
+    }
+    /// Whether temperatures, which come from a state, are possible.
+    [[nodiscard]] bool valid() const noexcept;
 
 private:
     struct Memory {

@@ -215,47 +215,16 @@ std::string text_of(const LargestStep& limit) {
     return "";
 }
 
-void AutoStep::save(std::vector<double>& memory) const {
-    memory.assign({checked_, begun_, stable_, damped_, damped_at_, growth_, pin_period_, static_cast<double>(evaluations_)});
-    bound_.save(memory);
-    if (!reuses_eigenvectors_) {
-        memory.insert(memory.end(), {soonest_, damped_with_[0], damped_with_[1]});
-        return;
-    }
-    for (const SpectralBound& part : damped_parts_) part.save(memory);
-    memory.insert(memory.end(),
-                  {static_cast<double>(part_), damping_due_ ? 1.0 : 0.0, turned_, estimated_, damped_with_[0], damped_with_[1]});
-    bound_.save_progress(memory);
-    for (const SpectralBound& part : damped_parts_) part.save_progress(memory);
-}
-
-void AutoStep::load(std::span<const double> memory) {
-    restart();
-    if (memory.empty()) return;
-    const auto numbers = pop_front(memory, 7);
-    checked_ = numbers[0];
-    begun_ = numbers[1];
-    stable_ = numbers[2];
-    damped_ = numbers[3];
-    damped_at_ = numbers[4];
-    growth_ = numbers[5];
-    pin_period_ = numbers[6];
-    evaluations_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
-    memory = bound_.load(memory);
-    if (!reuses_eigenvectors_) {
-        soonest_ = pop_front(memory, 1)[0];
-        std::ranges::copy(pop_front(memory, 2), damped_with_.begin());
-        return;
-    }
-    for (SpectralBound& part : damped_parts_) memory = part.load(memory);
-    part_ = pop_integer(memory, no_part, static_cast<int>(damped_parts_.size()));
-    const auto turn = pop_front(memory, 5);
-    damping_due_ = turn[0] != 0.0;
-    turned_ = turn[1];
-    estimated_ = turn[2];
-    damped_with_ = {turn[3], turn[4]};
-    memory = bound_.load_progress(memory);
-    for (SpectralBound& part : damped_parts_) memory = part.load_progress(memory);
+void AutoStep::visit(engine::Archive& archive) {
+    archive("step_checked", checked_), archive("step_begun", begun_), archive("stable_step", stable_);
+    archive("damped_step", damped_), archive("damped_at", damped_at_), archive("growth", growth_), archive("pin_period", pin_period_);
+    archive("spectrum_evaluations", evaluations_);
+    bound_.visit(archive);
+    if (!reuses_eigenvectors_) return archive("damped_soonest", soonest_), archive("damped_with", damped_with_);
+    for (SpectralBound& part : damped_parts_) part.visit(archive);
+    archive("spectrum_part", part_, no_part, static_cast<int>(damped_parts_.size()));
+    archive("damping_due", damping_due_), archive("spectrum_turned", turned_), archive("spectrum_estimated", estimated_);
+    archive("damped_with", damped_with_);
 }
 
 NegativeSlopeFriction::NegativeSlopeFriction(const model::Variator& variator, const model::Parameters& parameters)

@@ -98,8 +98,7 @@ public:
     /// Right-hand-side evaluations used by the estimates.
     [[nodiscard]] long evaluations() const noexcept { return evaluations_; }
 
-    void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< @param memory from save()
+    void visit(engine::Archive& archive) override;
 
 private:
     /// check_interval of the leapfrog of rigid pins, and time between two estimates where clamping has not risen in between: the row of

@@ -164,37 +164,13 @@ int SpectralBound::estimate(double t, const double* state, const model::Phase* p
     return evaluations;
 }
 
-void SpectralBound::save(std::vector<double>& memory) const {
-    memory.push_back(cold_ ? 1.0 : 0.0);
-    for (const Iteration* each : {&velocity_, &coordinate_}) {
-        memory.insert(memory.end(), {each->value, each->size});
-        memory.insert(memory.end(), each->direction.begin(), each->direction.end());
-    }
-}
-
-std::span<const double> SpectralBound::load(std::span<const double> memory) {
-    cold_ = pop_front(memory, 1)[0] != 0.0;
+void SpectralBound::visit(engine::Archive& archive) {
+    archive("spectrum_cold", cold_), archive("velocity_complete", velocity_complete_);
     for (Iteration* each : {&velocity_, &coordinate_}) {
-        const auto numbers = pop_front(memory, 2 + each->direction.size());
-        each->value = each->found = numbers[0];
-        each->size = numbers[1];
-        std::copy(numbers.begin() + 2, numbers.end(), each->direction.begin());
+        archive("spectrum_value", each->value), archive("spectrum_size", each->size), archive("spectrum_found", each->found);
+        archive("spectrum_taken", each->taken, 0, cold_iterations);
+        archive("spectrum_direction", std::span(each->direction));
     }
-    return memory;
-}
-
-void SpectralBound::save_progress(std::vector<double>& memory) const {
-    memory.push_back(velocity_complete_ ? 1.0 : 0.0);
-    for (const Iteration* each : {&velocity_, &coordinate_}) memory.insert(memory.end(), {each->found, static_cast<double>(each->taken)});
-}
-
-std::span<const double> SpectralBound::load_progress(std::span<const double> memory) {
-    velocity_complete_ = pop_front(memory, 1)[0] != 0.0;
-    for (Iteration* each : {&velocity_, &coordinate_}) {
-        each->found = pop_front(memory, 1)[0];
-        each->taken = pop_integer(memory, 0, cold_iterations);
-    }
-    return memory;
 }
 
 }  // namespace cvtflow::tasks

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/base/archive.hpp"
 #include "model/machine/held_links.hpp"
 #include "model/variator/variator.hpp"
 
@@ -67,12 +68,8 @@ public:
             each->taken = 0;
         }
     }
-    /// The vectors of the iterations, for checkpoints. load() returns the rest of the memory.
-    void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
-    /// Progress of an estimate whose budget was too small to complete it.
-    void save_progress(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load_progress(std::span<const double> memory);  ///< @param memory from save_progress()
+    /// The vectors of the iterations, and how far an estimate has come whose budget was too small to complete it.
+    void visit(engine::Archive& archive);
 
     static constexpr int unlimited = std::numeric_limits<int>::max();
 

@@ -36,14 +36,9 @@ double SpectralChoice::longest_step(double requested) {
     return longest(requested);
 }
 
-void SpectralChoice::save(std::vector<double>& memory) const {
-    memory.push_back(checked_);
-    bound_.save(memory);
-}
-
-std::span<const double> SpectralChoice::load(std::span<const double> memory) {
-    checked_ = pop_front(memory, 1)[0];
-    return bound_.load(memory);
+void SpectralChoice::visit(engine::Archive& archive) {
+    archive("spectrum_checked", checked_);
+    bound_.visit(archive);
 }
 
 std::size_t table_for(const Ladder& ladder, double real) noexcept {

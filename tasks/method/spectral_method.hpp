@@ -18,8 +18,7 @@ public:
     [[nodiscard]] const engine::CompiledPlan& choose(bool again) final;
     [[nodiscard]] double longest_step(double requested) final;  ///< [s]
     void restart() noexcept override;
-    void save(std::vector<double>& memory) const override;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory) override;
+    void visit(engine::Archive& archive) override;
 
 protected:
     explicit SpectralChoice(Workspace& workspace) : w_(workspace), bound_(workspace.variator) {}

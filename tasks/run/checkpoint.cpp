@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <span>
 #include <stdexcept>
@@ -68,76 +68,31 @@ std::string hash_of_slope(const IntegrationState& at, model::Variator variator) 
 
 using Numbers = std::vector<double>;
 
-/// Name of the array of an integration's scalars. Checkpoints of versions up to 0.2 call theirs "integration" and have another order.
-constexpr const char* integration_scalars = "integration_scalars";
-
-Numbers packed(const std::vector<model::TipIndicator>& tips) {
-    Numbers numbers;
-    for (const model::TipIndicator& tip : tips) numbers.insert(numbers.end(), {tip.depth, tip.slip});
-    return numbers;
-}
-
-/// Fields of an integration as named arrays: one of all scalars, and one per vector. State and phases are stored by write_state().
-struct FieldWriter {
-    std::vector<engine::NamedArray>& arrays;
-    Numbers scalars{};
-
-    void operator()(const char* /*name*/, double scalar) { scalars.push_back(scalar); }
-    void operator()(const char* /*name*/, bool flag) { scalars.push_back(flag ? 1.0 : 0.0); }
-    void operator()(const char* /*name*/, long count) { scalars.push_back(static_cast<double>(count)); }
-    void operator()(const char* /*name*/, const std::vector<model::Phase>& /*phases*/) {}
-    void operator()(const char* name, const std::vector<model::TipIndicator>& tips) { arrays.push_back({name, packed(tips)}); }
-    void operator()(const char* name, const std::vector<double>& numbers) {
-        if (std::string_view(name) != "state") arrays.push_back({name, numbers});
-    }
-};
-
-/// A count; sign and size are checked first, since converting any other number is undefined.
-long whole(double value) {
-    if (!(value >= 0.0 && value <= 9007199254740992.0) || value != std::floor(value))
-        throw std::domain_error("it contains an invalid count");
-    return static_cast<long>(value);
-}
-
-/// The array of that name. @throws engine::RecordError if it is missing or not as long as it must be
-const Numbers& array(const engine::SavedState& saved, const std::string& path, std::string_view name, std::size_t least) {
-    for (const engine::NamedArray& each : saved.more) {
-        if (each.name == name && each.values.size() >= least) return each.values;
-    }
+/// The array of that name. @throws engine::RecordError if it is missing
+const Numbers& array(const engine::SavedState& saved, const std::string& path, std::string_view name) {
+    for (const engine::NamedArray& each : saved.more)
+        if (each.name == name) return each.values;
     throw engine::RecordError(path + ": a state file, not a checkpoint: it has no " + std::string(name));
 }
 
-[[nodiscard]] model::Phase phase_of(std::uint8_t number) {
-    if (number > static_cast<std::uint8_t>(model::Phase::slip)) throw std::domain_error("it contains an invalid tip phase");
-    return static_cast<model::Phase>(number);
+/// Fields as an array of numbers: the count of their bytes, then these.
+Numbers packed(const std::vector<std::byte>& fields) {
+    Numbers numbers(1 + (fields.size() + sizeof(double) - 1) / sizeof(double), static_cast<double>(fields.size()));
+    std::memcpy(numbers.data() + 1, fields.data(), fields.size());
+    return numbers;
 }
 
-/// Reads back what FieldWriter wrote.
-struct FieldReader {
-    const engine::SavedState& saved;
-    const std::string& path;
-    std::span<const double> scalars;  ///< numbers not read yet
+std::span<const std::byte> unpacked(const Numbers& numbers) {
+    const auto bytes = std::as_bytes(std::span(numbers)).subspan(sizeof(double));
+    return bytes.first(static_cast<std::size_t>(std::clamp(numbers[0], 0.0, static_cast<double>(bytes.size()))));
+}
 
-    double scalar() {
-        if (scalars.empty()) throw std::domain_error("it contains too few numbers");
-        const double first = scalars.front();
-        scalars = scalars.subspan(1);
-        return first;
-    }
-    void operator()(const char* /*name*/, double& value) { value = scalar(); }
-    void operator()(const char* /*name*/, bool& flag) { flag = scalar() != 0.0; }
-    void operator()(const char* /*name*/, long& count) { count = whole(scalar()); }
-    void operator()(const char* /*name*/, std::vector<model::Phase>& phases) {
-        for (const std::uint8_t phase : saved.phases) phases.push_back(phase_of(phase));
-    }
-    void operator()(const char* name, std::vector<model::TipIndicator>& tips) {
-        const Numbers& numbers = array(saved, path, name, 0);
-        for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) tips.push_back({numbers[i], numbers[i + 1]});
-    }
-    void operator()(const char* name, std::vector<double>& numbers) {
-        numbers = std::string_view(name) == "state" ? saved.state : array(saved, path, name, 0);
-    }
-};
+/// Fields of history and integration. @tparam Any  Checkpoint
+void visit_integration(Checkpoint& c, engine::Archive& archive) {
+    c.history.visit(archive);
+    c.integration.visit(archive);
+    archive("recorder", c.recorder);
+}
 
 /// Hash of everything that gives a checkpoint's numbers their meaning.
 [[nodiscard]] std::string fingerprint_of(const Checkpoint& c) {
@@ -184,25 +139,18 @@ void write_checkpoint(const engine::OutputFile& file, const Checkpoint& c) {
     for (const model::Phase phase : c.integration.phases) saved.phases.push_back(static_cast<std::uint8_t>(phase));
     saved.fingerprint = fingerprint_of(c);
     for (const auto& [name, member] : texts) saved.attributes.push_back({name, c.*member});
-    FieldWriter history{saved.more}, fields{saved.more};
-    visit_fields(c.history, history);
-    saved.more = {{"history", std::move(history.scalars)}, {"recorder", c.recorder}};
-    visit_fields(c.integration, fields);
-    saved.more.push_back({integration_scalars, std::move(fields.scalars)});
+    std::vector<std::byte> fields;
+    Checkpoint copy = c;
+    engine::write_fields(fields, [&](auto& archive) { visit_integration(copy, archive); });
+    saved.more = {{"fields", packed(fields)}};
     engine::write_state(file, saved);
 }
 
 namespace {
 
-Checkpoint unpacked(const engine::SavedState& saved, const std::string& path) {
+Checkpoint checkpoint_in(const engine::SavedState& saved, const std::string& path) {
     Checkpoint c;
-    FieldReader fields{saved, path, array(saved, path, integration_scalars, 1)};
-    visit_fields(c.integration, fields);
-    if (!fields.scalars.empty()) throw std::domain_error("it contains too many numbers");
-    FieldReader history{saved, path, array(saved, path, "history", 1)};
-    visit_fields(c.history, history);
-    if (!history.scalars.empty()) throw std::domain_error("its history contains too many numbers");
-    c.recorder = array(saved, path, "recorder", 0);
+    engine::read_fields(unpacked(array(saved, path, "fields")), [&](auto& archive) { visit_integration(c, archive); });
     for (const auto& [name, member] : texts)
         if (const auto* text = engine::attribute_value<std::string>(saved.attributes, name)) c.*member = *text;
     if (saved.fingerprint != fingerprint_of(c)) throw std::domain_error("its fingerprint belongs to another scene, method or model");
@@ -214,8 +162,8 @@ Checkpoint unpacked(const engine::SavedState& saved, const std::string& path) {
 Checkpoint read_checkpoint(const std::string& path) {
     const engine::SavedState saved = engine::read_state(path);
     try {
-        return unpacked(saved, path);
-    } catch (const std::domain_error& error) {
+        return checkpoint_in(saved, path);
+    } catch (const std::logic_error& error) {
         throw engine::RecordError(fmt::format("{}: damaged checkpoint: {}", path, error.what()));
     }
 }

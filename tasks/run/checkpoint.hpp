@@ -6,7 +6,6 @@
 /// the former one exists until the new one is on disk.
 
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "engine/record/run/part_file.hpp"
@@ -22,17 +21,11 @@ struct RunHistory {
     double begin = 0.0;                      ///< simulated time after settling [s]
     double wall = 0.0, settling_wall = 0.0;  ///< wall times up to now [s]
     bool operator==(const RunHistory&) const = default;
+    void visit(engine::Archive& archive) {
+        archive("settled", settled), archive("run_begin", begin), archive("wall", wall), archive("settling_wall", settling_wall);
+        visit_counters(settling, archive);
+    }
 };
-
-/// The only list of its fields: calls visitor(name, field) for each. `history` is a RunHistory or a const one.
-template <class History, class Visitor>
-void visit_fields(History& history, Visitor& visitor) requires std::is_same_v<std::remove_const_t<History>, RunHistory> {
-    visitor("settled", history.settled);
-    visitor("begin", history.begin);
-    visitor("wall", history.wall);
-    visitor("settling_wall", history.settling_wall);
-    visit_counters(history.settling, visitor);
-}
 
 struct Checkpoint {
     std::string scene;        ///< text by write_scene
@@ -46,7 +39,7 @@ struct Checkpoint {
     std::string slope_hash;   ///< hash of the right-hand side at the state, which depends on the model and its rounding
     IntegrationState integration;
     RunHistory history;
-    std::vector<double> recorder;  ///< RunRecorder::position()
+    std::vector<std::byte> recorder;  ///< RunRecorder::position()
 };
 
 /// The guards for a simulation of this scene at `state`.

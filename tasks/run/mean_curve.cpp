@@ -133,29 +133,10 @@ MeanPoint MeanCurve::instant(const MeanPoint& from) const noexcept {
     return point;
 }
 
-void MeanCurve::save(std::vector<double>& memory) const {
-    memory.insert(memory.end(), {static_cast<double>(points_.size()), per_point_, since_point_, pin_period_, period_here_});
-    memory.insert(memory.end(), values_.begin(), values_.end());
-    const std::size_t begin = memory.size();
-    memory.resize(begin + (points_.size() + 1) * point_numbers);
-    std::memcpy(memory.data() + begin, &now_, sizeof(MeanPoint));
-    if (!points_.empty()) std::memcpy(memory.data() + begin + point_numbers, points_.data(), points_.size() * sizeof(MeanPoint));
-}
-
-std::span<const double> MeanCurve::load(std::span<const double> memory) {
-    const auto points = static_cast<std::size_t>(pop_integer(memory, 0, static_cast<int>(max_periods)));
-    const auto saved = pop_front(memory, 4);
-    per_point_ = saved[0];
-    since_point_ = saved[1];
-    pin_period_ = saved[2];
-    period_here_ = saved[3];
-    const auto values = pop_front(memory, mean_count);
-    std::copy(values.begin(), values.end(), values_.begin());
-    std::memcpy(static_cast<void*>(&now_), pop_front(memory, point_numbers).data(), sizeof(MeanPoint));
-    points_.resize(points);
-    if (points > 0)
-        std::memcpy(static_cast<void*>(points_.data()), pop_front(memory, points * point_numbers).data(), points * sizeof(MeanPoint));
-    return memory;
+void MeanCurve::visit(engine::Archive& archive) {
+    archive("samples_per_point", per_point_), archive("samples_since_point", since_point_), archive("pin_period", pin_period_);
+    archive("period_here", period_here_), archive("values", values_), archive("now", now_), archive("points", points_);
+    if (points_.size() > max_periods) archive.refuse("points");
 }
 
 namespace {

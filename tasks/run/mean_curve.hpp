@@ -117,9 +117,8 @@ public:
     [[nodiscard]] MeanPoint instant(const MeanPoint& from) const noexcept;
     [[nodiscard]] double pin_period() const noexcept { return pin_period_; }  ///< period at the last sample [s]
 
-    /// Memory for checkpoints, bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
-    void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
+    /// All that a checkpoint has to keep.
+    void visit(engine::Archive& archive);
 
 private:
     static constexpr std::size_t max_points = 2000, max_periods = 100'000;

@@ -206,18 +206,10 @@ Fault RunMeans::steady_fault() const noexcept {
     return {FaultKind::not_steady, curve_.last().time, {}, steady_.share, rule_.limit / std::max(1.0, rule_.pins)};
 }
 
-void RunMeans::save(std::vector<double>& memory) const {
-    memory.insert(memory.end(), {next_check_, miss_.time, miss_.share});
-    curve_.save(memory);
-}
-
-std::span<const double> RunMeans::load(std::span<const double> memory) {
-    const auto saved = pop_front(memory, 3);
-    next_check_ = saved[0];
-    miss_ = {saved[1], saved[2]};
-    memory = curve_.load(memory);
-    end_control();
-    return memory;
+void RunMeans::visit(engine::Archive& archive) {
+    archive("next_check", next_check_), archive("cycle_miss_time", miss_.time), archive("cycle_miss_share", miss_.share);
+    curve_.visit(archive);
+    if (archive.reads()) end_control();
 }
 
 namespace {

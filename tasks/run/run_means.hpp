@@ -108,9 +108,8 @@ public:
     /// Errors of all(); no batches: too short to know them.
     [[nodiscard]] MeanErrors errors() const noexcept;
 
-    /// Memory for checkpoints, bitwise. load() returns the rest of the memory. @throws std::invalid_argument for a malformed memory
-    void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [save()]
+    /// All that a checkpoint has to keep.
+    void visit(engine::Archive& archive);
 
 private:
     void check_steady() noexcept;

@@ -110,21 +110,10 @@ void OutputMeans::take(std::span<double> row) {
     begin_ = last_;
 }
 
-void OutputMeans::save(std::vector<double>& numbers) const {
+void OutputMeans::visit(engine::Archive& archive) {
     if (!on()) return;
-    numbers.insert(numbers.end(), {begin_, last_, any_ ? 1.0 : 0.0});
-    numbers.insert(numbers.end(), before_.begin(), before_.end());
-    numbers.insert(numbers.end(), sum_.begin(), sum_.end());
-}
-
-std::span<const double> OutputMeans::load(std::span<const double> numbers) {
-    const std::size_t size = on() ? 3 + 2 * sum_.size() : 0;
-    if (numbers.size() < size) throw engine::RecordError("the checkpoint contains no means of outputs");
-    if (!on()) return numbers;
-    begin_ = numbers[0], last_ = numbers[1], any_ = numbers[2] != 0.0;
-    std::ranges::copy(numbers.subspan(3, before_.size()), before_.begin());
-    std::ranges::copy(numbers.subspan(3 + before_.size(), sum_.size()), sum_.begin());
-    return numbers.subspan(size);
+    archive("mean_begin", begin_), archive("mean_last", last_), archive("mean_any", any_);
+    archive("mean_before", std::span(before_)), archive("mean_sum", std::span(sum_));
 }
 
 RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options)
@@ -210,39 +199,23 @@ void RunRecorder::sample(double time, const Workspace& workspace, const Counters
     output_means_.add(time, row_);
 }
 
-std::vector<double> RunRecorder::position() {
-    if (file_) file_->flush();
-    std::vector<double> numbers;
-    for (const engine::RowsWritten* rows :
-         {&written_.channels, &written_.states, &written_.tables[0]}) {  // a double holds half of a checksum
-        numbers.insert(numbers.end(), {static_cast<double>(rows->count), static_cast<double>(rows->sum >> 32U),
-                                       static_cast<double>(rows->sum & 0xffffffffU)});
-    }
-    numbers.insert(numbers.end(), {next_state_, static_cast<double>(outputs_)});
-    output_means_.save(numbers);
-    means_.save(numbers);
-    return numbers;
+void RunRecorder::visit(engine::Archive& archive) {
+    for (engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]})
+        archive("rows", rows->count), archive("rows_sum", rows->sum);
+    archive("next_state", next_state_), archive("rows_of_outputs", outputs_);
+    output_means_.visit(archive);
+    means_.visit(archive);
 }
 
-void RunRecorder::restore(const std::vector<double>& position) {
-    constexpr std::size_t least = 11;  // rows, next state, outputs
-    if (position.size() < least) throw engine::RecordError(options_.file.path + ": the checkpoint contains no position in its record");
-    const double* next = position.data();
-    const auto take = [&] { return *next++; };
-    const auto count = [&] {
-        const double number = take();
-        if (!(number >= 0.0 && number <= 9007199254740992.0))
-            throw engine::RecordError(options_.file.path + ": the checkpoint contains an invalid count");
-        return static_cast<std::size_t>(number);
-    };
-    for (engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]}) {
-        rows->count = count();
-        rows->sum = count() << 32U;
-        rows->sum |= count();
-    }
-    next_state_ = take();
-    outputs_ = static_cast<long>(count());
-    (void)means_.load(output_means_.load({next, position.data() + position.size()}));
+std::vector<std::byte> RunRecorder::position() {
+    if (file_) file_->flush();
+    std::vector<std::byte> fields;
+    engine::write_fields(fields, [this](auto& archive) { visit(archive); });
+    return fields;
+}
+
+void RunRecorder::restore(std::span<const std::byte> position) {
+    engine::read_fields(position, [this](auto& archive) { visit(archive); });
     if (!file_) return;
     if (former_.path.empty() && written_.channels.count > 0)
         throw engine::RecordError(options_.file.path + ": the checkpoint's record does not exist");

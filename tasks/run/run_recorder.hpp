@@ -27,10 +27,7 @@ public:
     void add(double time, std::span<const double> row);
     /// Replaces values by means at an output, which has been added; the next mean begins there.
     void take(std::span<double> row);
-    /// Appends times, values and sums to numbers; load() reads them.
-    void save(std::vector<double>& numbers) const;
-    /// @return what follows in numbers   @throws engine::RecordError for too few
-    [[nodiscard]] std::span<const double> load(std::span<const double> numbers);
+    void visit(engine::Archive& archive);
 
 private:
     std::vector<bool> averaged_;
@@ -52,9 +49,9 @@ public:
     /// Identity of the run: drawn when it began, kept by its checkpoints; empty without a record.
     [[nodiscard]] const std::string& run() const noexcept { return run_; }
     /// Position of the record and the means, for a checkpoint; all of it is on disk then.
-    [[nodiscard]] std::vector<double> position();
+    [[nodiscard]] std::vector<std::byte> position();
     /// Continues from there, with the rows of the record that options.from names.
-    void restore(const std::vector<double>& position);
+    void restore(std::span<const std::byte> position);  ///< @throws engine::ArchiveError
     /// Ends the record with the simulation as it is now, and completes the report: all but its history, its fault and what it ran with.
     /// @param wall time of the run; 0: time since construction [s]
     void finish(const Simulation& simulation, RunReport& report, double wall = 0.0);
@@ -62,6 +59,7 @@ public:
     void begin_part(double begin, double until) noexcept;
 
 private:
+    void visit(engine::Archive& archive);
     void read(const Instant& instant);                    ///< the channels into the row
     void write(double time, const Workspace& workspace);  ///< time [s]
 

@@ -24,29 +24,11 @@ namespace {
 constexpr double shortest_budget = 1e-9;
 
 /// Couplings and hydraulics take over where a run begins: at t = 0 after settling, or at a start that needs none.
-/// @param couplings IntegrationState::couplings [none or 6]
-void couple(Workspace& w, double time, std::vector<double>& couplings) {
+void couple(Workspace& w, double time) {
     if (w.layout().pulley_size == 0) return;
     double* const tail = w.state_to_set() + w.layout().pulley_begin();
     w.variator.pulleys().inputs().fill_cylinders(time, tail);
     w.variator.couple(time, tail);
-    for (const model::ReferenceAngle& from : w.variator.pulleys().torques().held().reference)
-        couplings.insert(couplings.end(), {from.since, from.angle, from.zero});
-}
-
-/// @param numbers IntegrationState::couplings [none, 6 or 10]
-void restore_couplings(model::Variator& variator, std::span<const double> numbers) {
-    model::HeldInputs held = variator.pulleys().torques().held();
-    held.coupled = !numbers.empty();
-    for (model::ReferenceAngle& reference : held.reference) {
-        reference = {};
-        if (!held.coupled) continue;
-        reference = {numbers[0], numbers[1], numbers[2]};
-        numbers = numbers.subspan(3);
-    }
-    held.sheave.reset();
-    if (!numbers.empty()) held.sheave = {numbers[0], numbers[1], numbers[2], numbers[3]};
-    variator.hold(held);
 }
 
 }  // namespace
@@ -67,8 +49,7 @@ void RunPart::begin(double time, bool settles, double balance_error_ratio, doubl
     saved_.settling_balance_error_ratio = balance_error_ratio;
     saved_.settling_residual = residual;
     forget_controller();
-    saved_.couplings.clear();
-    if (!needs_settling_) couple(w, time_, saved_.couplings);
+    if (!needs_settling_) couple(w, time_);
     if (!scene_.run.step.automatic())
         choice_.reset();
     else if (choice_ == nullptr)
@@ -89,8 +70,6 @@ void RunPart::begin(double time, bool settles, double balance_error_ratio, doubl
     saved_.changed = w.tips.changed;
     saved_.before = w.tips.before;
     saved_.energy.clear();
-    saved_.heat.clear();
-    saved_.step_choice.clear();
 }
 
 Fault RunPart::advance(const Goal& goal, RunObserver& observer, const engine::Cancellation& cancel) {
@@ -203,10 +182,10 @@ void RunPart::restore(IntegrationState from) {
     w.tips.before = from.before;
     w.phases_changed();
     integrator_.method().restart();
-    w.energy.load(from.energy, integrator_.method().observation_stride());
-    restore_couplings(w.variator, from.couplings);
+    w.energy.restart(integrator_.method().observation_stride());
     w.heat.restart(scene_.parameters, scene_.run.until.automatic());
-    if (!w.heat.load(from.heat)) throw SimulationError("the state contains malformed temperatures");
+    read_sums(w, from.energy);
+    w.variator.hold(from.held);
     w.warm();
     saved_ = std::move(from);
     needs_settling_ = saved_.settling;
@@ -215,21 +194,15 @@ void RunPart::restore(IntegrationState from) {
 }
 
 const IntegrationState& RunPart::integration_state() const {
-    if (!rest_known_ && controller_) {
-        controller_->save(saved_);
-        workspace_.heat.save(saved_.heat);
-    }
+    if (!rest_known_ && controller_) controller_->save(saved_);
     rest_known_ = true;
+    saved_.held = workspace_.variator.pulleys().torques().held();
     return saved_;
 }
 
 void RunPart::inputs_changed() {
-    if (const auto& sheave = workspace_.variator.pulleys().torques().held().sheave) {
-        saved_.couplings.resize(6);
-        saved_.couplings.insert(saved_.couplings.end(), {sheave->opening, sheave->force, sheave->offset, sheave->since});
-    }
     workspace_.energy.inputs_changed(time_, true);
-    if (saved_.started && !controller_) workspace_.energy.save(saved_.energy);
+    if (saved_.started && !controller_) write_sums(workspace_, saved_.energy);
     rest_known_ = !controller_;
 }
 
@@ -283,11 +256,6 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved, cons
     integrator_->adopt(scene_.parameters);
     start_differences_.clear();
     begin_with(saved, placed);
-}
-
-void Simulation::restore(IntegrationState state, const model::HeldInputs* held) {
-    part_.restore(std::move(state));
-    if (held != nullptr) workspace_->variator.hold(*held);
 }
 
 bool fits(const Simulation& simulation, const Scene& scene) {

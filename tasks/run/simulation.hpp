@@ -85,10 +85,10 @@ private:
     double step_ = 0.0;  ///< [s]
     Counters counters_;
     LocalErrorStatistics local_errors_;
-    mutable IntegrationState saved_;            ///< state at the next call, except for what controller_ has
-    mutable bool rest_known_ = true;            ///< saved_ is up to date
-    std::optional<StepController> controller_;  ///< controller of the last call, if the next one may continue with it
-    double paused_wall_ = 0.0;                  ///< wall time of the calls since the last that did not end in a pause [s]
+    mutable IntegrationState saved_;                    ///< state at the next call, except for what controller_ has
+    mutable bool rest_known_ = true;                    ///< saved_ is up to date
+    mutable std::optional<StepController> controller_;  ///< controller of the last call, if the next one may continue with it
+    double paused_wall_ = 0.0;                          ///< wall time of the calls since the last that did not end in a pause [s]
 };
 
 class Simulation {
@@ -129,9 +129,8 @@ public:
     /// The present integration state, which is written when it is read.
     [[nodiscard]] const IntegrationState& integration_state() const { return part_.integration_state(); }
     /// Takes an integration_state() of a simulation of the same scene and method, in whatever process.
-    /// @param held  inputs that were held there; nullptr: those that are held here
-    /// @throws SimulationError if the numbers of unknowns or tips differ
-    void restore(IntegrationState state, const model::HeldInputs* held = nullptr);
+    /// @throws SimulationError if the numbers of unknowns or tips differ; engine::ArchiveError for other fields
+    void restore(IntegrationState state) { part_.restore(std::move(state)); }
 
     /// The part in progress: settling, or the run.
     [[nodiscard]] const RunPart& part() const noexcept { return part_; }

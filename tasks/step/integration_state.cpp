@@ -2,60 +2,45 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
-
-#include "engine/base/hash.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::int64_t max_count = std::int64_t{1} << 53;  // up to here a double holds every count exactly
+constexpr long max_count = 1L << 53U;  // up to here a double holds every count exactly
 
-/// Reason why a field is invalid by itself.
-struct FieldCheck {
-    const char* reason = nullptr;
-
-    void operator()(const char* /*name*/, long count) {
-        if (count < 0 || count > max_count) reason = "it contains an invalid count";
-    }
-    void operator()(const char* /*name*/, const std::vector<model::Phase>& phases) {
-        if (std::any_of(phases.begin(), phases.end(), [](model::Phase phase) { return phase > model::Phase::slip; }))
-            reason = "it contains an invalid tip phase";
-    }
-    template <class Field>
-    void operator()(const char* /*name*/, const Field& /*field*/) {}
-};
-
-/// Adds fields to a hash.
-struct FieldHash {
-    engine::Hash hash;
-
-    void operator()(const char* /*name*/, bool flag) { hash.add(static_cast<std::uint64_t>(flag)); }
-    void operator()(const char* /*name*/, long count) { hash.add(static_cast<std::uint64_t>(count)); }
-    void operator()(const char* /*name*/, double number) { hash.add(std::span<const double>(&number, 1)); }
-    void operator()(const char* /*name*/, const std::vector<double>& numbers) { hash.add(std::span<const double>(numbers)); }
-    void operator()(const char* /*name*/, const std::vector<model::Phase>& phases) {
-        hash.add(std::span<const std::uint8_t>(reinterpret_cast<const std::uint8_t*>(phases.data()), phases.size()));
-    }
-    void operator()(const char* /*name*/, const std::vector<model::TipIndicator>& tips) {
-        for (const model::TipIndicator& tip : tips) {
-            const double pair[] = {tip.depth, tip.slip};
-            hash.add(std::span<const double>(pair));
-        }
-    }
-};
+/// Energies, then temperatures.
+void visit_sums(Workspace& w, engine::Archive& archive) {
+    w.energy.visit(archive);
+    w.heat.visit(archive);
+    if (!w.heat.valid()) archive.refuse("temperature_oil");
+}
 
 }  // namespace
 
+/// What a start needs comes first.
+void IntegrationState::visit(engine::Archive& archive) {
+    archive("time", time), archive("state", state), archive("phases", phases);
+    archive("started", started), archive("settling", settling), archive("begin", begin), archive("output_interval", output_interval);
+    archive("step", step), archive("grid_number", grid_number), archive("grid_steps", grid_steps), archive("outputs", outputs);
+    visit_counters(counters, archive);
+    archive("changed", changed), archive("before", before);
+    archive("settling_error_ratio", settling_balance_error_ratio), archive("settling_residual", settling_residual);
+    held.visit(archive);
+    archive("energy", energy), archive("method", method);
+}
+
 const char* IntegrationState::invalid_reason() const noexcept {
-    FieldCheck check;
-    visit_fields(*this, check);
-    if (check.reason != nullptr) return check.reason;
+    bool counts = true;
+    const auto check = [&counts](const char* /*name*/, long count) { counts = counts && count >= 0 && count <= max_count; };
+    visit_counters(counters, check);
+    for (const long count : {grid_number, grid_steps, outputs}) check("", count);
+    if (!counts) return "it contains an invalid count";
+    if (std::any_of(phases.begin(), phases.end(), [](model::Phase phase) { return phase > model::Phase::slip; }))
+        return "it contains an invalid tip phase";
     if (!std::isfinite(time)) return "its time is not finite";
-    const auto finite = [](double value) { return std::isfinite(value); };
-    if ((!couplings.empty() && couplings.size() != 6 && couplings.size() != 10) || !std::all_of(couplings.begin(), couplings.end(), finite))
-        return "its couplings have no valid reference";
+    for (const model::ReferenceAngle& from : held.reference)
+        if (!std::isfinite(from.since + from.angle + from.zero)) return "its couplings have no valid reference";
     if (!started) return nullptr;
     const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0; };
     if (!std::isfinite(begin) || !is_length(output_interval) || !(std::isfinite(step) && step >= 0.0) || grid_steps == 0)
@@ -68,10 +53,12 @@ const char* IntegrationState::invalid_reason() const noexcept {
     return nullptr;
 }
 
-std::uint64_t IntegrationState::hash() const noexcept {
-    FieldHash fields;
-    visit_fields(*this, fields);
-    return fields.hash.value();
+void write_sums(Workspace& w, std::vector<std::byte>& fields) {
+    engine::write_fields(fields, [&w](auto& archive) { visit_sums(w, archive); });
+}
+
+void read_sums(Workspace& w, std::span<const std::byte> fields) {
+    if (!fields.empty()) engine::read_fields(fields, [&w](auto& archive) { visit_sums(w, archive); });
 }
 
 }  // namespace cvtflow::tasks

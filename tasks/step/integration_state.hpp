@@ -2,9 +2,11 @@
 /// States of an integration. The full one between two steps: an integration that resumes from it continues bit for bit. A simulation
 /// returns and accepts it (Simulation::integration_state, restore, advance); checkpoint.hpp keeps it on disk.
 
-#include <cstdint>
+#include <cstddef>
+#include <span>
 #include <vector>
 
+#include "engine/base/archive.hpp"
 #include "model/chain/chain_model.hpp"
 #include "model/law/phase_rule.hpp"
 #include "model/parameters/chain_layout.hpp"
@@ -29,45 +31,20 @@ struct IntegrationState {
     std::vector<model::TipIndicator> before;    ///< [4 links] depth and slip of the tips now
     double settling_balance_error_ratio = 0.0;  ///< EnergyLedger::balance_error_ratio() at the end of settling [1]
     double settling_residual = 0.0;             ///< relative residual of the energy balance then
-    std::vector<double> energy;                 ///< works, losses and balance so far, from EnergyLedger::save()
-    std::vector<double> step_choice;            ///< memory of the automatic step, from save(); empty for given steps
-    std::vector<double> heat;                   ///< temperatures and what they balance, from HeatBalance::save(); empty without
-    std::vector<double> couplings;  ///< [6 or 10] angles of both shafts since couplings took over: since, angle, zero; empty: not yet;
-                                    ///< numbers of a sheave that is held
-    std::vector<double> method;     ///< memory of a method, from StepMethod::save(); empty for one-step methods
+    model::HeldInputs held;                     ///< inputs that are held, and where couplings have taken over
+    std::vector<std::byte> energy;  ///< fields of works, losses, balances and temperatures so far (write_sums); empty: not started
+    std::vector<std::byte> method;  ///< fields of automatic step, error control and method between two steps; empty: not started
 
     bool operator==(const IntegrationState&) const = default;
+    void visit(engine::Archive& archive);
     /// Reason why this state is invalid for every scene (counts, lengths, phases); nullptr if valid.
     [[nodiscard]] const char* invalid_reason() const noexcept;
-    /// Hash of all fields, bit by bit.
-    [[nodiscard]] std::uint64_t hash() const noexcept;
 };
 
-/// The only list of the fields: calls visitor(name, field) for each. `state` is an IntegrationState or a const one.
-template <class State, class Visitor>
-void visit_fields(State& state, Visitor& visitor) {
-    visitor("started", state.started);
-    visitor("settling", state.settling);
-    visitor("time", state.time);
-    visitor("begin", state.begin);
-    visitor("output_interval", state.output_interval);
-    visitor("step", state.step);
-    visitor("settling_error_ratio", state.settling_balance_error_ratio);
-    visitor("settling_residual", state.settling_residual);
-    visitor("grid_number", state.grid_number);
-    visitor("grid_steps", state.grid_steps);
-    visitor("outputs", state.outputs);
-    visit_counters(state.counters, visitor);
-    visitor("state", state.state);
-    visitor("phases", state.phases);
-    visitor("changed", state.changed);
-    visitor("before", state.before);
-    visitor("method", state.method);
-    visitor("energy", state.energy);
-    visitor("step_choice", state.step_choice);
-    visitor("couplings", state.couplings);
-    visitor("heat", state.heat);
-}
+/// Fields of the sums of a workspace: EnergyLedger, HeatBalance.
+void write_sums(Workspace& workspace, std::vector<std::byte>& fields);
+/// After their restart(). Empty: nothing to read. @throws engine::ArchiveError
+void read_sums(Workspace& workspace, std::span<const std::byte> fields);
 
 /// A state and the phases that hold from there on.
 struct FrozenStart {

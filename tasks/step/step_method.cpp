@@ -9,20 +9,6 @@
 
 namespace cvtflow::tasks {
 
-std::span<const double> pop_front(std::span<const double>& memory, std::size_t count) {
-    if (memory.size() < count) throw std::invalid_argument("the memory of the method is incomplete");
-    const std::span<const double> numbers = memory.first(count);
-    memory = memory.subspan(count);
-    return numbers;
-}
-
-int pop_integer(std::span<const double>& memory, int first, int last) {
-    const double number = pop_front(memory, 1)[0];
-    if (!(number >= first && number <= last) || number != std::floor(number))
-        throw std::invalid_argument("the memory of the method contains an invalid count");
-    return static_cast<int>(number);
-}
-
 void close_evaluation(Workspace& w, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept {
     ++w.step.evaluations;
     w.variator.close(time, tail, chain, w.links.accounts.data(), slope + w.layout().pulley_begin());
@@ -61,22 +47,15 @@ void StageMethod::restart() noexcept {
 }
 
 /// The slope at the state, if it is known.
-void StageMethod::save(std::vector<double>& memory) const {
-    memory.clear();
-    if (choice_ != nullptr) choice_->save(memory);
-    if (slope_now() == SlopeAt::nowhere) return;
-    const int slot = slope_now() == SlopeAt::start ? 0 : plan_->stage(plan_->stages() - 1).slope;
-    const double* slope = w_.slopes[static_cast<std::size_t>(slot)];
-    memory.insert(memory.end(), slope, slope + w_.layout().size());
-}
-
-void StageMethod::load(std::span<const double> memory) {
-    if (memory.empty()) return;
-    if (choice_ != nullptr) memory = choice_->load(memory);
-    if (memory.empty()) return;
-    const auto slope = pop_front(memory, static_cast<std::size_t>(w_.layout().size()));
-    std::copy(slope.begin(), slope.end(), w_.slopes[0]);
-    slope_at_ = SlopeAt::start;
+void StageMethod::visit(engine::Archive& archive) {
+    if (choice_ != nullptr) choice_->visit(archive);
+    const SlopeAt at = slope_now();
+    bool known = at != SlopeAt::nowhere;
+    archive("slope_known", known);
+    if (!known) return;
+    const int slot = archive.reads() || at == SlopeAt::start ? 0 : plan_->stage(plan_->stages() - 1).slope;
+    archive("slope", std::span(w_.slopes[static_cast<std::size_t>(slot)], static_cast<std::size_t>(w_.layout().size())));
+    if (archive.reads()) slope_at_ = SlopeAt::start;
 }
 
 /// The pulleys at a stage, and what its evaluate cycle combines.

@@ -8,8 +8,8 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
+#include "engine/base/archive.hpp"
 #include "engine/graph/task_graph.hpp"
 #include "tasks/step/workspace.hpp"
 
@@ -49,11 +49,11 @@ public:
     /// Longest step that the method can take now, at most `requested` [s]. Called before a step of free length.
     [[nodiscard]] virtual double longest_step(double requested) { return requested; }
 
-    /// Memory of the method between steps, without the workspace's state, phases and times of their changes, for checkpoints: load() after
-    /// restart() continues bitwise from where save() was called. Empty for methods without memory.
-    virtual void save(std::vector<double>& memory) const { memory.clear(); }
-    /// @param memory from save(); empty: a run begins at the workspace's state
-    virtual void load(std::span<const double> memory) { (void)memory; }
+    /// A run begins at the workspace's state, after restart().
+    virtual void start() {}
+    /// All that a state has to keep of the method between two steps, without the workspace's state, phases and times of their changes: what
+    /// is read after restart() continues bit for bit.
+    virtual void visit(engine::Archive& archive) { (void)archive; }
     /// Steps between two observations of losses and energies, so that these cost about a hundredth of the steps. The default is that of a
     /// leapfrog, whose step costs as much as five evaluations.
     [[nodiscard]] virtual long observation_stride() const noexcept { return 24; }
@@ -79,13 +79,6 @@ void close_evaluation(Workspace& workspace, double time, const double* tail, con
 /// Ends the evaluation in the evaluate cycle of a stage (step.row).
 void close_evaluation(Workspace& workspace) noexcept;
 
-/// The next numbers of a memory (StepMethod::save), which comes from files and hosts and may be anything; it then begins behind
-/// them. @throws std::invalid_argument if there are fewer
-[[nodiscard]] std::span<const double> pop_front(std::span<const double>& memory, std::size_t count);
-
-/// The next number as one of first … last. @throws std::invalid_argument if it is out of range
-[[nodiscard]] int pop_integer(std::span<const double>& memory, int first, int last);
-
 /// Chooses the plan of every step of a StageMethod.
 class PlanChoice {
 public:
@@ -97,10 +90,8 @@ public:
     /// StepMethod::longest_step() [s].
     [[nodiscard]] virtual double longest_step(double requested) = 0;
 
-    /// Memory between steps (StepMethod::save): save() appends, load() returns the rest.
     virtual void restart() noexcept = 0;
-    virtual void save(std::vector<double>& memory) const = 0;
-    [[nodiscard]] virtual std::span<const double> load(std::span<const double> memory) = 0;
+    virtual void visit(engine::Archive& archive) = 0;  ///< as StepMethod
 };
 
 /// A step by a table of stages (engine::CompiledPlan): one evaluate cycle per stage. Where the last stage is evaluated at the result, its
@@ -122,8 +113,7 @@ public:
         return choice_ == nullptr ? requested : choice_->longest_step(requested);
     }
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return 0; }  // all stages are in the workspace
-    void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< @param memory from save()
+    void visit(engine::Archive& archive) override;
     [[nodiscard]] ErrorEstimate error_estimate() const noexcept override {
         return {error_power_, plan_->has_error() ? plan_->error() : engine::PlanStep{}};
     }

@@ -154,7 +154,7 @@ class Failing(unittest.TestCase):
         for action, kind, also in [
             (lambda: cvtflow.Scene.ready("tny"), cvtflow.SceneError, ValueError),
             (lambda: cvtflow.Simulation(tiny()).channel("rato"), cvtflow.ArgumentError, ValueError),
-            (lambda: cvtflow.State.from_bytes(b"CVTFLOW7, damaged"), cvtflow.StateError, RuntimeError),
+            (lambda: cvtflow.State.from_bytes(b"CVTSTATE, damaged"), cvtflow.StateError, RuntimeError),
             (lambda: cvtflow.Record("/nowhere.h5"), cvtflow.RecordError, RuntimeError),
             (lambda: cvtflow.Simulation(tiny("run.max_steps=5")).advance_to(0.0), cvtflow.MaxStepsError, cvtflow.Fault),
             (lambda: cvtflow.Simulation(tiny()).set_input("load_torqe", 1.0), cvtflow.ArgumentError, ValueError),

@@ -119,24 +119,17 @@ int ImplicitMethod::factorise(double theta) noexcept {
     return factor_cycle;
 }
 
-void ImplicitMethod::save_factors(std::vector<double>& memory) const {
-    const std::span<const double> numbers = jacobian_.numbers();
-    memory.push_back(theta_);
-    for (const std::optional<int>& shaft : shafts_) memory.push_back(shaft.value_or(no_shaft));
-    memory.insert(memory.end(), numbers.begin(), numbers.end());
-}
-
-std::span<const double> ImplicitMethod::load_factors(std::span<const double> memory) {
-    theta_ = pop_front(memory, 1)[0];
+void ImplicitMethod::visit_factors(engine::Archive& archive) {
+    archive("theta", theta_);
     for (std::optional<int>& shaft : shafts_) {
-        const int number = pop_integer(memory, no_shaft, 1);
+        int number = shaft.value_or(no_shaft);
+        archive("shaft", number, no_shaft, 1);
         shaft = number == no_shaft ? std::nullopt : std::optional(number);
     }
-    const std::span<double> numbers = jacobian_.numbers();
-    std::ranges::copy(pop_front(memory, numbers.size()), numbers.begin());
+    archive("jacobian", jacobian_.numbers());
+    if (!archive.reads()) return;
     for (int chunk = 0; chunk < matrix_.chunks(); ++chunk) eliminate(chunk);
     join();
-    return memory;
 }
 
 }  // namespace cvtflow::bench

@@ -51,10 +51,8 @@ protected:
     [[nodiscard]] int take_jacobian(double c, int state_slot, int slope_slot) noexcept;
     /// Factor cycle for I - θ D - θ² K. theta [s]
     [[nodiscard]] int factorise(double theta) noexcept;
-    /// Appends Jacobian, θ and contacts of the last factorisation to `memory`.
-    void save_factors(std::vector<double>& memory) const;
-    /// Takes them back from the front of `memory` and factorises again: the same bits. @return rest of the memory
-    [[nodiscard]] std::span<const double> load_factors(std::span<const double> memory);
+    /// Jacobian, θ and contacts of the last factorisation; reading factorises again, to the same bits.
+    void visit_factors(engine::Archive& archive);
 
     [[nodiscard]] double* state(int slot) const noexcept { return w_.states[static_cast<std::size_t>(slot)]; }
     /// Link's part of a right-hand side or solution.

@@ -204,24 +204,15 @@ void TrapezoidalMethod::restart() noexcept {
     broyden_.clear();
 }
 
-void TrapezoidalMethod::save(std::vector<double>& memory) const {
-    const bool keeps = keeps_over_steps(options_.matrix) && has_jacobian_;
-    memory = {end_slope_ ? 1.0 : 0.0, keeps ? 1.0 : 0.0, static_cast<double>(since_jacobian_)};
-    if (end_slope_) memory.insert(memory.end(), w_.slopes[trial_slope], w_.slopes[trial_slope] + w_.layout().size());
+void TrapezoidalMethod::visit(engine::Archive& archive) {
+    bool keeps = keeps_over_steps(options_.matrix) && has_jacobian_;
+    archive("knows_slope", end_slope_), archive("keeps_jacobian", keeps);
+    archive("since_jacobian", since_jacobian_, 0, std::numeric_limits<int>::max());
+    if (end_slope_) archive("slope", std::span(w_.slopes[trial_slope], static_cast<std::size_t>(w_.layout().size())));
+    if (archive.reads()) has_jacobian_ = keeps;
     if (!keeps) return;
-    broyden_.save(memory);
-    save_factors(memory);
-}
-
-void TrapezoidalMethod::load(std::span<const double> memory) {
-    if (memory.empty()) return;  // nothing has begun
-    const auto flags = pop_front(memory, 2);
-    end_slope_ = flags[0] != 0.0;
-    const bool has_jacobian = flags[1] != 0.0;
-    since_jacobian_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
-    if (end_slope_) std::ranges::copy(pop_front(memory, static_cast<std::size_t>(w_.layout().size())), w_.slopes[trial_slope]);
-    has_jacobian_ = has_jacobian;
-    if (has_jacobian_) static_cast<void>(load_factors(broyden_.load(memory)));
+    broyden_.visit(archive);
+    visit_factors(archive);
 }
 
 CycleSequence TrapezoidalMethod::step() {
@@ -471,17 +462,10 @@ void Broyden::add(const double* s, const double* w) noexcept {
     ++count_;
 }
 
-void Broyden::save(std::vector<double>& memory) const {
-    memory.push_back(count_);
-    for (const std::vector<double>* part : {&steps_, &updates_})
-        memory.insert(memory.end(), part->begin(), part->begin() + count_ * unknowns_);
-}
-
-std::span<const double> Broyden::load(std::span<const double> memory) {
-    count_ = pop_integer(memory, 0, static_cast<int>(steps_.size()) / std::max(1, unknowns_));
+void Broyden::visit(engine::Archive& archive) {
+    archive("updates", count_, 0, static_cast<int>(steps_.size()) / std::max(1, unknowns_));
     for (std::vector<double>* part : {&steps_, &updates_})
-        std::ranges::copy(pop_front(memory, static_cast<std::size_t>(count_ * unknowns_)), part->begin());
-    return memory;
+        archive("update", std::span(part->data(), static_cast<std::size_t>(count_ * unknowns_)));
 }
 
 }  // namespace cvtflow::bench

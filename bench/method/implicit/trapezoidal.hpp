@@ -72,9 +72,7 @@ public:
     /// or no room is left.
     void add(const double* s, const double* w) noexcept;
 
-    /// Appends the updates to `memory`, takes them back from its front. @return rest of the memory
-    void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< @param memory from save()
+    void visit(engine::Archive& archive);
 
 private:
     int unknowns_, most_, count_ = 0;
@@ -140,8 +138,7 @@ public:
     [[nodiscard]] CycleSequence step() override;
     void restart() noexcept override;
     /// Slope at the end of the last step; with a matrix that is kept over steps, its Jacobian and updates.
-    void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< @param memory from save()
+    void visit(engine::Archive& archive) override;
 
     void update(int segment) noexcept override;
 

@@ -134,13 +134,12 @@ void SegmentFields::clear(std::size_t field) noexcept {
     set(field, [] { return 0.0F; });
 }
 
-void SegmentFields::save(std::size_t field, std::vector<double>& memory) const {
-    for_numbers(*this, field, [&](float number) { memory.push_back(number); });
-}
-
-void SegmentFields::load(std::size_t field, std::span<const double>& memory) {
-    const double* from = pop_front(memory, at(rows_[field] * friction_.chain().layout().links)).data();
-    set(field, [&] { return static_cast<float>(*from++); });
+void SegmentFields::visit(std::size_t field, std::string_view name, engine::Archive& archive) {
+    const std::span numbers(moving_.data(), at(rows_[field] * friction_.chain().layout().links));
+    float* next = numbers.data();
+    if (!archive.reads()) for_numbers(*this, field, [&](float number) { *next++ = number; });
+    archive(name, numbers);
+    if (archive.reads()) set(field, [&] { return *next++; });
 }
 
 std::string_view missing_contact_fields(const model::Parameters& parameters) noexcept {

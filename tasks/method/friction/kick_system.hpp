@@ -123,10 +123,8 @@ public:
 
     /// The numbers of a field become zero, of all links.
     void clear(std::size_t field) noexcept;
-    /// The numbers of a field, rows of all links one after the other, at the end of a memory.
-    void save(std::size_t field, std::vector<double>& memory) const;
-    /// @throws std::invalid_argument if the memory is too short
-    void load(std::size_t field, std::span<const double>& memory);
+    /// The numbers of a field, rows of all links one after the other.
+    void visit(std::size_t field, std::string_view name, engine::Archive& archive);
 
     /// Calls visit(fields, link, column) for all links of fields, in order.
     template <class Self, class Visit>

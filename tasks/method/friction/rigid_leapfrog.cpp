@@ -187,48 +187,32 @@ bool RigidLeapfrog::is_suspect() const noexcept {
            found.outermost > pulley.outermost - radius_error;
 }
 
-template <class Method, class Visitor>
-void RigidLeapfrog::visit(Method& m, const Visitor& visitor) {
-    const auto all = [&](auto&... arrays) { (visitor(arrays.data(), arrays.size()), ...); };
-    visitor(&m.pins_.lead, 1);
-    visitor(&m.shift_, 1);
-    all(m.pins_.ledger, m.ledger_, m.pins_.forces.account.loss);
-    RigidPulleys::visit(m.pulleys_, visitor);
-    const auto energies_of = [&](auto& account) {
-        all(account.lost, account.work, account.impulse, account.drag.energy, account.drag.impulse, account.couplings.work,
-            account.couplings.dissipated);
-        visitor(&account.stored, 1);
+void RigidLeapfrog::visit(engine::Archive& archive) {
+    archive("cold", cold_);
+    if (cold_) {
+        if (archive.reads()) start();
+        return;
+    }
+    if (archive.reads()) pins_.columns.clear_tips();
+    archive("lead", pins_.lead), archive("lead_shift", shift_), archive("ledger", std::span(pins_.ledger)),
+        archive("ledger_begun", std::span(ledger_));
+    archive("losses", pins_.forces.account.loss);
+    pulleys_.visit(archive);
+    for (EnergyAccount* account : {&account_, &half_way_}) {
+        archive("lost", account->lost), archive("work", account->work), archive("impulse", account->impulse);
+        archive("drag", account->drag), archive("couplings", account->couplings), archive("stored", account->stored);
+    }
+    model::StepColumns& columns = pins_.columns;
+    const auto rows = [&](const char* name, const auto& range) {
+        for (auto* row = range.first; row <= range.last; row += columns.stride())
+            archive(name, std::span(row, static_cast<std::size_t>(columns.pins())));
     };
-    energies_of(m.account_);
-    energies_of(m.half_way_);
-    const model::StepColumns& columns = m.pins_.columns;
-    const auto visit_rows = [&](const auto& rows) {
-        for (auto* row = rows.first; row <= rows.last; row += columns.stride()) visitor(row, static_cast<std::size_t>(columns.pins()));
-    };
-    visit_rows(columns.state());
-    for (const auto& rows : columns.kept()) visit_rows(rows);
-    if (m.c_.remembers()) visit_rows(columns.tip.remembered());
-}
-
-void RigidLeapfrog::save(std::vector<double>& memory) const {
-    memory.clear();
-    if (cold_) return;
-    visit(*this, [&](const auto* numbers, std::size_t count) { memory.insert(memory.end(), numbers, numbers + count); });
-}
-
-void RigidLeapfrog::load(std::span<const double> memory) {
-    if (memory.empty()) return start();
-    std::size_t size = 0;
-    visit(*this, [&](const auto*, std::size_t count) { size += count; });
-    if (memory.size() != size) throw std::invalid_argument("state of rigid pins: wrong size");
-    pins_.columns.clear_tips();
-    visit(*this, [&](auto* numbers, std::size_t count) {
-        for (std::size_t k = 0; k < count; ++k) numbers[k] = static_cast<std::remove_pointer_t<decltype(numbers)>>(memory[k]);
-        memory = memory.subspan(count);
-    });
-    for (const auto& rows : pins_.columns.kept()) pins_.columns.wrap(rows);
-    forget_touching(pins_.columns, w_.layout().links);
-    cold_ = false;
+    rows("pins", columns.state());
+    for (const auto& range : columns.kept()) rows("filters", range);
+    if (c_.remembers()) rows("friction_memory", columns.tip.remembered());
+    if (!archive.reads()) return;
+    for (const auto& range : columns.kept()) columns.wrap(range);
+    forget_touching(columns, w_.layout().links);
 }
 
 void RigidPulleys::place() noexcept {

@@ -50,17 +50,12 @@ public:
     [[nodiscard]] const std::array<double, 2>& far_power() const noexcept { return far_power_; }
     [[nodiscard]] const std::array<double, 2>& twist_power() const noexcept { return twist_power_; }
 
-    /// Calls visitor(numbers, count) for all that the next step depends on.
-    template <class Pulleys, class Visitor>
-    static void visit(Pulleys& pulleys, const Visitor& visitor) {
-        visitor(&pulleys.kinetic_, 1);
-        for (auto* power : {&pulleys.far_power_, &pulleys.twist_power_, &pulleys.drag_power_, &pulleys.inputs_.drag})
-            visitor(power->data(), power->size());
-        visitor(pulleys.s_.tail.data(), pulleys.s_.tail.size());
-        visitor(pulleys.s_.tail_slope.data(), pulleys.s_.tail_slope.size());
-        visitor(&pulleys.inputs_.drive_torque, 1);
-        visitor(&pulleys.inputs_.load_torque, 1);
-        visitor(pulleys.inputs_.clamping.data(), pulleys.inputs_.clamping.size());
+    /// All that the next step depends on.
+    void visit(engine::Archive& archive) {
+        archive("pulleys_kinetic", kinetic_), archive("far_power", far_power_), archive("twist_power", twist_power_);
+        archive("drag_power", drag_power_), archive("drag", inputs_.drag);
+        archive("pulleys", std::span(s_.tail)), archive("pulleys_slope", std::span(s_.tail_slope));
+        archive("drive_torque", inputs_.drive_torque), archive("load_torque", inputs_.load_torque), archive("clamping", inputs_.clamping);
     }
 
 private:
@@ -90,8 +85,8 @@ public:
     void add_tasks(engine::TaskGraph& graph) override;
     void restart() noexcept override { cold_ = true; }
     void phases_changed() noexcept override {}
-    void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< @param memory from save(); empty: starts from the workspace's state
+    void start() override;
+    void visit(engine::Archive& archive) override;
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return sizeof(*this); }
 
     // Bodies of tasks.
@@ -102,16 +97,12 @@ public:
     void kick(int) noexcept;    ///< accelerations, and velocities by them
 
 private:
-    void start();
     void set_lead(double lead) noexcept;                        ///< velocities ahead of coordinates by a time [s]
     void finish() noexcept;                                     ///< pulleys, energies and phases of the tips
     void count_energy(const model::WorkRates& power) noexcept;  ///< [W]
     /// Energies `to` as `from` and what a time [s] at the rates of the last kick adds. power of the inputs [W]
     void add_energies(const EnergyAccount& from, double time, const model::WorkRates& power, EnergyAccount& to) const noexcept;
     [[nodiscard]] bool is_suspect() const noexcept;
-    /// Calls visitor(numbers, count) for all that the next step depends on. @tparam Method this class, const or not
-    template <class Method, class Visitor>
-    static void visit(Method& method, const Visitor& visitor);
 
     Workspace& w_;
     model::RigidState& pins_;

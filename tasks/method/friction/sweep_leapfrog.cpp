@@ -236,21 +236,12 @@ void SweepSystem::enter_losses(Workspace& w) noexcept {
     }
 }
 
-void SweepSystem::save(std::vector<double>& memory) const {
-    find_losses();
-    kick_.fields.save(kept_now(), memory);
-    memory.push_back(losses_ == Losses::known ? 1.0 : 0.0);
-    for (const model::FrictionPowers& powers : powers_) memory.insert(memory.end(), {powers.joint, powers.plates, powers.tips});
-}
-
-void SweepSystem::load(std::span<const double> memory) {
-    kick_.fields.load(kept_now(), memory);
-    losses_ = pop_integer(memory, 0, 1) == 1 ? Losses::known : Losses::none;
-    const double* from = pop_front(memory, 3 * powers_.size()).data();
-    for (model::FrictionPowers& powers : powers_) {
-        powers = {from[0], from[1], from[2]};
-        from += 3;
-    }
+void SweepSystem::visit(engine::Archive& archive) {
+    if (!archive.reads()) find_losses();
+    kick_.fields.visit(kept_now(), "friction", archive);
+    bool known = losses_ == Losses::known;
+    archive("losses_known", known), archive("friction_powers", std::span(powers_));
+    if (archive.reads()) losses_ = known ? Losses::known : Losses::none;
 }
 
 /// Slope slot 1: [v | mean acceleration of the step before], zero acceleration in the first step.
@@ -301,21 +292,17 @@ void LeapfrogFrame::end(const model::SheaveForces& chain) {
     w_.step.row = {{&end, 1}, {}, -1, -1, 1.0};
 }
 
-void LeapfrogFrame::save(std::vector<double>& memory) const {
-    memory.insert(memory.end(), {continues_ ? 1.0 : 0.0, length_});
-    for (const model::SheaveMotion& s : w_.pulleys.sheaves)
-        for (const double* velocity : velocities_of(s)) memory.push_back(*velocity);
-    memory.insert(memory.end(), w_.end_slope, w_.end_slope + w_.layout().size());
-}
-
-std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
-    const auto saved = pop_front(memory, 2);
-    continues_ = saved[0] != 0.0;
-    length_ = saved[1];
+void LeapfrogFrame::visit(engine::Archive& archive) {
+    archive("follows_step", continues_), archive("length_before", length_);
+    std::array<double, 24> velocities{};
+    std::size_t next = 0;
     for (model::SheaveMotion& s : w_.pulleys.sheaves)
-        for (double* velocity : velocities_of(s)) *velocity = pop_front(memory, 1)[0];
-    std::ranges::copy(pop_front(memory, static_cast<std::size_t>(w_.layout().size())), w_.end_slope);
-    return memory;
+        for (const double* velocity : velocities_of(s)) velocities[next++] = *velocity;
+    archive("sheave_velocities", velocities);
+    next = 0;
+    for (model::SheaveMotion& s : w_.pulleys.sheaves)
+        for (double* velocity : velocities_of(s)) *velocity = velocities[next++];
+    archive("end_slope", std::span(w_.end_slope, static_cast<std::size_t>(w_.layout().size())));
 }
 
 SweepLeapfrog::SweepLeapfrog(Workspace& workspace)
@@ -412,18 +399,10 @@ Fault SweepLeapfrog::finish() {
     return close_step(w_);
 }
 
-void SweepLeapfrog::save(std::vector<double>& memory) const {
-    memory.assign({nominal_, length_});
-    frame_.save(memory);
-    system_.save(memory);
-}
-
-void SweepLeapfrog::load(std::span<const double> memory) {
-    if (memory.empty()) return;
-    const auto lengths = pop_front(memory, 2);
-    nominal_ = lengths[0];
-    length_ = lengths[1];
-    system_.load(frame_.load(memory));
+void SweepLeapfrog::visit(engine::Archive& archive) {
+    archive("nominal_step", nominal_), archive("step_before", length_);
+    frame_.visit(archive);
+    system_.visit(archive);
 }
 
 void SweepLeapfrog::record(int segment) noexcept {

@@ -58,8 +58,7 @@ public:
     void enter_losses(Workspace& workspace) noexcept;
 
     /// Data that outlast a step: its forces, and their losses.
-    void save(std::vector<double>& memory) const;
-    void load(std::span<const double> memory);  ///< @param memory from save()
+    void visit(engine::Archive& archive);
 
 private:
     enum class Losses { none, to_be_found, known };
@@ -110,9 +109,7 @@ public:
 
     [[nodiscard]] const model::ContactDrift& drift() const noexcept { return drift_; }
 
-    void save(std::vector<double>& memory) const;
-    /// @param memory from save()   @return the rest of the memory
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
+    void visit(engine::Archive& archive);
 
 private:
     void extrapolate();
@@ -160,8 +157,7 @@ public:
     [[nodiscard]] long observation_stride() const noexcept override { return 9; }
     void restart() noexcept override;
     void phases_changed() noexcept override {}  // forces stay good: that of a tip that has just landed is zero
-    void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;  ///< @param memory from save()
+    void visit(engine::Archive& archive) override;
 
     [[nodiscard]] std::optional<std::size_t> bytes() const noexcept override { return system_.kick().bytes(); }
 

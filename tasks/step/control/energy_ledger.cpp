@@ -274,20 +274,16 @@ std::optional<EnergySums> PastSums::before(double time, double pin_period) const
     return number + 1.0 < count && first.time < start ? EnergySums::between(first, sums_[place(number + 1.0)], start) : first;
 }
 
-bool PastSums::valid() const noexcept {
+void PastSums::visit(engine::Archive& archive) {
+    archive("past: time, loss, work", sums_), archive("past_begin", begin_), archive("past_count", count_);
     const auto whole = [](double number, std::size_t most) {
         return number >= 0.0 && number <= static_cast<double>(most) && number == std::floor(number);
     };
-    return whole(begin_, max_count - 1) && whole(count_, max_count);
+    if (!whole(begin_, max_count - 1) || !whole(count_, max_count)) archive.refuse("past_count");
 }
 
-template <class AnyMemory, class Visitor>
-void EnergyLedger::Memory::visit(AnyMemory& m, Visitor&& visitor) {
-    using Number = std::conditional_t<std::is_const_v<AnyMemory>, const double, double>;
-    const auto field = [&visitor](const char* name, auto& numbers) {
-        static_assert(std::is_trivially_copyable_v<std::remove_cvref_t<decltype(numbers)>> && sizeof(numbers) % sizeof(double) == 0);
-        visitor(name, std::span<Number>(reinterpret_cast<Number*>(&numbers), sizeof(numbers) / sizeof(double)));
-    };
+void EnergyLedger::visit(engine::Archive& field) {
+    Memory& m = m_;
     field("samples", m.samples), field("sampled", m.sampled), field("steps", m.steps), field("jumped", m.jumped);
     field("power", m.power), field("loss", m.loss), field("powers", m.powers);
     field("stored", m.stored), field("max_stored", m.max_stored), field("noise", m.noise), field("through", m.energy_in);
@@ -297,40 +293,9 @@ void EnergyLedger::Memory::visit(AnyMemory& m, Visitor&& visitor) {
     field("impulse_output", m.impulse_output), field("momentum_output", m.momentum_output);
     field("chain_torque", m.chain_torque), field("couplings: work, dissipated", m.inputs.couplings);
     field("outputs", m.outputs), field("output_time", m.output_time);
-    constexpr const char* of_span = ": begin, loss, work, stored, through, noise, samples";
-    field(of_span, m.all), field(of_span, m.part);
+    field("all: begin, loss, work, stored, through, noise, samples", m.all), field("part", m.part);
     field("worst: ratio, begin, end, relative, loss", m.worst), field("doubt", m.dense_sampling), field("judged_from", m.judged_from);
-    PastSums::visit(m.past, field);
-}
-
-double EnergyLedger::Memory::layout() noexcept {
-    engine::Hash hash;
-    std::size_t numbers = 0;
-    const Memory none{};
-    visit(none, [&](const char* name, std::span<const double> field) {
-        hash.add(std::string_view(name)).add(static_cast<std::uint64_t>(field.size()));
-        numbers += field.size();
-    });
-    return static_cast<double>(hash.add(static_cast<std::uint64_t>(numbers)).value() >> 11U);  // a whole number that a double holds
-}
-
-void EnergyLedger::save(std::vector<double>& memory) const {
-    memory.clear();
-    memory.reserve(1 + sizeof(Memory) / sizeof(double));
-    memory.push_back(Memory::layout());
-    Memory::visit(
-        m_, [&memory](const char* /*name*/, std::span<const double> field) { memory.insert(memory.end(), field.begin(), field.end()); });
-    if (memory.size() != 1 + sizeof(Memory) / sizeof(double)) throw std::logic_error("EnergyLedger::Memory::visit() leaves out a field");
-}
-
-void EnergyLedger::load(std::span<const double> memory, long stride) {
-    restart(stride);
-    if (memory.empty()) return;
-    if (pop_front(memory, 1).front() != Memory::layout()) throw std::invalid_argument("energy memory of another layout");
-    Memory::visit(m_, [&memory](const char* /*name*/, std::span<double> field) {
-        std::ranges::copy(pop_front(memory, field.size()), field.begin());
-    });
-    if (!m_.past.valid()) throw std::invalid_argument("malformed energy memory");
+    m.past.visit(field);
 }
 
 double EnergySums::lost() const noexcept { return std::accumulate(loss.begin(), loss.end(), 0.0); }

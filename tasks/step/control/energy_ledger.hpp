@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/base/archive.hpp"
 #include "model/force/account.hpp"
 #include "model/force/pulley.hpp"
 
@@ -117,12 +118,7 @@ public:
     void remember(const EnergySums& now, double pin_period) noexcept;
     /// Sums one pin period before `time` [s], or at the first output kept; none before the first output. pin_period [s]
     [[nodiscard]] std::optional<EnergySums> before(double time, double pin_period) const noexcept;
-    /// Calls visitor(name, field) for each field.
-    static void visit(auto& past, const auto& visitor) {
-        visitor("past: time, loss, work", past.sums_), visitor("past_begin", past.begin_), visitor("past_count", past.count_);
-    }
-    /// Whether place and number, which come from a file, are possible.
-    [[nodiscard]] bool valid() const noexcept;
+    void visit(engine::Archive& archive);
 
 private:
     static constexpr std::size_t max_count = 80, per_period = 64;
@@ -208,14 +204,11 @@ public:
 
     [[nodiscard]] const InputWorks& input_works() const noexcept { return m_.inputs; }
 
-    /// Memory for a bitwise continuation from checkpoints.
-    void save(std::vector<double>& memory) const;
-    /// @param memory from save()
-    /// @throws std::invalid_argument for a malformed memory
-    void load(std::span<const double> memory, long stride);
+    /// All that a state has to keep. Reading follows restart().
+    void visit(engine::Archive& archive);
 
 private:
-    /// Numbers only: saved and loaded by visit(), the list of the fields.
+    /// Numbers only.
     struct Memory {
         double samples, sampled, steps;                     ///< number of samples; time of the last one [s]; steps since
         double jumped;                                      ///< time of the last jump of inputs or state, or of the beginning [s]
@@ -241,11 +234,6 @@ private:
         /// Everything about a sample is known but for its consequences. time [s]; length of a window [s]
         void close_sample(double time, double length) noexcept;
         void close_window() noexcept;
-        /// Calls visitor(name, numbers) for each field. `memory` is a Memory or a const one.
-        template <class AnyMemory, class Visitor>
-        static void visit(AnyMemory& memory, Visitor&& visitor);
-        /// Hash of names, lengths and order of the fields: memories of another layout are refused.
-        [[nodiscard]] static double layout() noexcept;
     };
 
     Memory m_{};

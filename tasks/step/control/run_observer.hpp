@@ -22,9 +22,8 @@ struct Counters {
 /// The only list of the counters: calls visitor(name, count) for each. `counters` are Counters or const ones.
 template <class AnyCounters, class Visitor>
 void visit_counters(AnyCounters& counters, Visitor& visitor) {
-    for (auto* count :
-         {&counters.steps, &counters.evaluations, &counters.detected, &counters.truncated, &counters.suppressed, &counters.rejected})
-        visitor("counter", *count);
+    visitor("steps", counters.steps), visitor("evaluations", counters.evaluations), visitor("detected", counters.detected);
+    visitor("truncated", counters.truncated), visitor("suppressed", counters.suppressed), visitor("rejected", counters.rejected);
 }
 
 /// One change of a tip's phase, as recorded.

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/base/archive.hpp"
 #include "model/parameters/chain_layout.hpp"
 
 namespace cvtflow::tasks {
@@ -39,14 +40,8 @@ public:
     /// error [1], step [s]
     [[nodiscard]] bool judge(double error, double step) noexcept;
 
-    /// Size of its memory, for checkpoints.
-    static constexpr std::size_t memory_size = 3;
-    [[nodiscard]] std::array<double, memory_size> save() const noexcept { return {proposal_, previous_, rejected_ ? 1.0 : 0.0}; }
-    /// @param memory from save()
-    void load(std::span<const double> memory) noexcept {
-        proposal_ = memory[0];
-        previous_ = memory[1];
-        rejected_ = memory[2] != 0.0;
+    void visit(engine::Archive& archive) {
+        archive("proposed_step", proposal_), archive("error_before", previous_), archive("rejected_step", rejected_);
     }
 
 private:
@@ -74,9 +69,8 @@ public:
     [[nodiscard]] virtual double caution(double balance_error_ratio) const noexcept = 0;
     /// A new integration begins.
     virtual void restart() noexcept = 0;
-    /// Memory for a bitwise continuation from checkpoints.
-    virtual void save(std::vector<double>& memory) const = 0;
-    virtual void load(std::span<const double> memory) = 0;  ///< @param memory from save()
+    /// All that a state has to keep.
+    virtual void visit(engine::Archive& archive) = 0;
 
 protected:
     StepChoice() = default;

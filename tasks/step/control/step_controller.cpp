@@ -84,14 +84,13 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
     w_.step.evaluations = counters_.evaluations;
     method_.restart();  // a run does not depend on what ran before it
     if (from != nullptr) {
-        w_.energy.load(from->energy, method_.observation_stride());
-        if (settings.choice != nullptr) settings.choice->load(from->step_choice);
+        w_.energy.restart(method_.observation_stride());
+        read_sums(w_, from->energy);
+        if (settings.choice != nullptr) settings.choice->restart();
         w_.phases_changed();
-        std::span<const double> memory(from->method);
-        errors_.load(memory);
-        method_.load(memory);
+        engine::read_fields(from->method, [this](auto& archive) { visit(archive); });
     } else {
-        method_.load({});
+        method_.start();
         w_.energy.restart(method_.observation_stride());
         if (settings.choice != nullptr) settings.choice->restart();
         probe_start(w_);
@@ -108,7 +107,13 @@ void StepController::resume(const StepSettings& settings, RunObserver& observer,
     integration_.emplace(integrate());
 }
 
-void StepController::save(IntegrationState& state) const {
+void StepController::visit(engine::Archive& archive) {
+    if (settings_.choice != nullptr) settings_.choice->visit(archive);
+    errors_.visit(archive);
+    method_.visit(archive);
+}
+
+void StepController::save(IntegrationState& state) {
     state.started = true;
     state.time = w_.step.time;
     state.begin = settings_.begin;
@@ -116,17 +121,14 @@ void StepController::save(IntegrationState& state) const {
     state.step = settings_.step;
     state.grid_number = grid_.leg * grid_.steps_per_leg + grid_.point;
     state.grid_steps = grid_.steps_per_leg;
-    w_.energy.save(state.energy);
-    state.step_choice.clear();
-    if (settings_.choice != nullptr) settings_.choice->save(state.step_choice);
     state.outputs = outputs_;
     state.counters = counters_;
     state.state.assign(w_.state(), w_.state() + w_.layout().size());
     state.phases = w_.tips.phases;
     state.changed = w_.tips.changed;
     state.before = w_.tips.before;
-    method_.save(state.method);
-    errors_.save(state.method);
+    write_sums(w_, state.energy);
+    engine::write_fields(state.method, [this](auto& archive) { visit(archive); });
 }
 
 /// The integration. Each co_yield runs one cycle of the task graph on all segments; everything else is serial.
@@ -315,16 +317,6 @@ double ErrorControl::step_error() const {
         largest = std::max(largest, error);
     }
     return largest;
-}
-
-void ErrorControl::save(std::vector<double>& memory) const {
-    if (!decides_) return;
-    const auto size = size_.save();
-    memory.insert(memory.begin(), size.begin(), size.end());
-}
-
-void ErrorControl::load(std::span<const double>& memory) {
-    if (decides_) size_.load(pop_front(memory, StepSizeControl::memory_size));
 }
 
 TransitionSearch::TransitionSearch(Workspace& workspace, StepMethod& method) : w_(workspace), method_(method) {

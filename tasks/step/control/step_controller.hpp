@@ -35,9 +35,9 @@ public:
     [[nodiscard]] double proposal() const noexcept { return size_.proposal(); }
     [[nodiscard]] const LocalErrorStatistics& statistics() const noexcept { return statistics_; }
 
-    /// Writes to, and reads from, the front of a method's memory where the error decides.
-    void save(std::vector<double>& memory) const;
-    void load(std::span<const double>& memory);
+    void visit(engine::Archive& archive) {
+        if (decides_) size_.visit(archive);
+    }
 
 private:
     [[nodiscard]] double step_error() const;
@@ -96,7 +96,7 @@ public:
 
     [[nodiscard]] int next() noexcept override { return integration_->next(); }
     /// State of the integration once next() has returned stop. Allocates nothing if `state` has held one of the same size before.
-    void save(IntegrationState& state) const;
+    void save(IntegrationState& state);
 
     [[nodiscard]] const Fault& fault() const noexcept { return integration_->fault(); }
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
@@ -114,6 +114,8 @@ private:
     /// Minimum time between two changes of a tip's phase, in steps: one whole step, whatever rounding does.
     static constexpr double dwell_steps = 1.5;
 
+    /// IntegrationState::method
+    void visit(engine::Archive& archive);
     [[nodiscard]] CycleSequence integrate();
     [[nodiscard]] bool prepare_observation() noexcept;
     [[nodiscard]] Fault check_budget() const;

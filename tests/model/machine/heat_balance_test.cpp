@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <vector>
+#include <map>
+#include <string>
 
 namespace cvtflow::model {
 namespace {
@@ -80,24 +81,25 @@ TEST(HeatBalance, RestsBeforeTimeZeroAndWhereItIsOff) {
     heat.advance(0.0, lost(40.0, 0.0, 0.0));
     heat.advance(1.0, lost(40.0, 0.0, 1.0));
     EXPECT_EQ(heat.pulleys(), Parameters().oil.temperature);
-    std::vector<double> memory{1.0};
-    heat.save(memory);
-    EXPECT_TRUE(memory.empty());
+    const auto never = [](const char* name, double) { FAIL() << name; };
+    heat.visit(never);
 }
 
 TEST(HeatBalance, ContinuesFromWhatItSaved) {
     HeatBalance heat = after(1.0, 0.1, 40.0, 10.0), other;
-    std::vector<double> memory;
-    heat.save(memory);
+    std::map<std::string, double> saved;
+    const auto save = [&](const char* name, double number) { saved[name] = number; };
+    const auto load = [&](const char* name, double& number) { number = saved.at(name); };
+    heat.visit(save);
     other.restart(warming());
-    ASSERT_TRUE(other.load(memory));
+    other.visit(load);
+    ASSERT_TRUE(other.valid());
     for (HeatBalance* one : {&heat, &other}) one->advance(1.3, lost(40.0, 10.0, 1.3));
     EXPECT_EQ(other.pulleys(), heat.pulleys());
     EXPECT_EQ(other.taken(), heat.taken());
-    memory[1] = std::nan("");
-    EXPECT_FALSE(other.load(memory));
-    memory.pop_back();
-    EXPECT_FALSE(other.load(memory));
+    saved["temperature_oil"] = std::nan("");
+    other.visit(load);
+    EXPECT_FALSE(other.valid());
 }
 
 }  // namespace

@@ -107,11 +107,11 @@ TEST(AutoStep, OfRigidPinsSpreadsItsEstimates) {
         if (question < 8) continue;
         EXPECT_LE(spread.evaluations() - before, 3) << time;
         before = spread.evaluations();
-        std::vector<double> memory, memory_of_resumed;
-        spread.save(memory);
-        resumed.load(memory);
-        resumed.save(memory_of_resumed);
-        EXPECT_EQ(memory, memory_of_resumed);
+        std::vector<std::byte> fields, again;
+        engine::write_fields(fields, [&](auto& archive) { spread.visit(archive); });
+        engine::read_fields(fields, [&](auto& archive) { resumed.visit(archive); });
+        engine::write_fields(again, [&](auto& archive) { resumed.visit(archive); });
+        EXPECT_EQ(again, fields);
     }
     EXPECT_NEAR(spread.largest().step, first.step, 0.02 * first.step);
     EXPECT_GT(spread.evaluations(), 2 * 60) << "it has estimated more than once";

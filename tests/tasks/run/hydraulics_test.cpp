@@ -137,7 +137,7 @@ TEST(SimulationHeat, LossesWarmTheMachineAndThinTheOil) {
         << "thin oil: more boundary friction";
 }
 
-TEST(SimulationHeat, ContinuesBitForBitFromAnIntegrationState) { EXPECT_FALSE(expect_continued(warming_scene(), 2e-4, 4e-4).heat.empty()); }
+TEST(SimulationHeat, ContinuesBitForBitFromAnIntegrationState) { expect_continued(warming_scene(), 2e-4, 4e-4); }
 
 /// Temperatures of a run that ends when its means are steady are steady, too, however much heat the machine stores.
 TEST(SimulationHeat, IsSteadyWhereARunEndsWhenItsMeansAre) {
@@ -170,8 +170,8 @@ TEST(SimulationHeat, RefusesMalformedTemperatures) {
     Simulation simulation(warming_scene());
     settle_and_go(simulation, 1e-4);
     IntegrationState state = simulation.integration_state();
-    state.heat.pop_back();
-    EXPECT_THROW(simulation.restore(state), SimulationError);
+    state.energy.pop_back();
+    EXPECT_THROW(simulation.restore(state), engine::ArchiveError);
 }
 
 }  // namespace

@@ -302,9 +302,9 @@ TEST(SteadyMeans, ContinueFromACheckpoint) {
         now.time = k * period / 9.7;
         now.tight = tension(now.time);
         if (k == 500) {
-            std::vector<double> memory;
-            whole.save(memory);
-            EXPECT_TRUE(second.load(memory).empty());
+            std::vector<std::byte> memory;
+            engine::write_fields(memory, [&](auto& archive) { whole.visit(archive); });
+            engine::read_fields(memory, [&](auto& archive) { second.visit(archive); });
         }
         whole.add(now, {now.time, {}, {}}, period);
         if (k >= 500) second.add(now, {now.time, {}, {}}, period);

@@ -47,7 +47,7 @@ std::string note_of(const RunMeans& means, const char* name) {
 
 TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
     // More outputs than bins: 100 ms of a chain that begins to slide.
-    const RunMeans means = means_over(5000, 2e-5, 7e-4, [](int k, model::Observation& now, EnergySums& sums) {
+    RunMeans means = means_over(5000, 2e-5, 7e-4, [](int k, model::Observation& now, EnergySums& sums) {
         now.slip = k < 2500 ? 0.002 : 0.1;
         sums.work = {1e4 * now.time, -9.8e3 * now.time};
         sums.loss[0] = 200.0 * now.time;
@@ -62,10 +62,10 @@ TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
     EXPECT_EQ(names_of(means, balance), "gross_slip unsteady");
     balance.loss = 0.05;  // 1e-5 of what came in are a fifth of it
     EXPECT_EQ(names_of(means, balance), "gross_slip unsteady unresolved");
-    std::vector<double> memory;
-    means.save(memory);
+    std::vector<std::byte> memory;
+    engine::write_fields(memory, [&](auto& archive) { means.visit(archive); });
     RunMeans again;
-    EXPECT_TRUE(again.load(memory).empty());
+    engine::read_fields(memory, [&](auto& archive) { again.visit(archive); });
     EXPECT_EQ(again.all().slip, means.all().slip);
 }
 
@@ -141,10 +141,10 @@ TEST(RunMeans, CompareACycleWithWhatShaftTwoDelivers) {
         EXPECT_NEAR(whole.astray, missing, 1e-9);  // sums of a thousand numbers
         EXPECT_NEAR(whole.short_of, missing, 1e-9);
         EXPECT_EQ(whole.cycle_missed(), last == 150) << "1.5 and 2.5 %";
-        std::vector<double> memory;
-        means.save(memory);
+        std::vector<std::byte> memory;
+        engine::write_fields(memory, [&](auto& archive) { means.visit(archive); });
         RunMeans again;
-        EXPECT_TRUE(again.load(memory).empty());
+        engine::read_fields(memory, [&](auto& archive) { again.visit(archive); });
         EXPECT_EQ(note_of(again, "cycle_missed"),
                   last == 130
                       ? ""

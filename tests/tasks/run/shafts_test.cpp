@@ -61,7 +61,7 @@ TEST(SimulationCouplings, AFarEndThatSlowsDownBrakesTheShaft) {
 }
 
 TEST(SimulationCouplings, ContinueBitForBitFromAnIntegrationState) {
-    EXPECT_EQ(expect_continued(coupled_scene(), 2e-4, 5e-4).couplings.size(), 6u);
+    EXPECT_TRUE(expect_continued(coupled_scene(), 2e-4, 5e-4).held.coupled);
 }
 
 TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {
