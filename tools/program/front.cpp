@@ -68,15 +68,14 @@ std::string package_file(const fs::path& program, const std::string& name) {
                     place.string()));
 }
 
-/// Texts as a list that ends with nullptr.
+}  // namespace
+
 std::vector<char*> pointers(std::vector<std::string>& texts) {
     std::vector<char*> all;
     for (std::string& text : texts) all.push_back(text.data());
     all.push_back(nullptr);
     return all;
 }
-
-}  // namespace
 
 void become_python(std::span<const std::string> words, const std::string& script) {
     const fs::path program = fs::canonical("/proc/self/exe");

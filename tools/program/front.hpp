@@ -7,6 +7,9 @@
 
 namespace cvtflow::tools {
 
+/// Texts as the system takes the words of a command: a list that ends with nullptr, and is good as long as the texts.
+[[nodiscard]] std::vector<char*> pointers(std::vector<std::string>& texts);
+
 /// Replaces this process by the Python package of this installation or build folder: `python3 -I -B -X utf8 PACKAGE/__main__.py WORDS`.
 ///
 /// The interpreter is CVTFLOW_PYTHON, an absolute path, else the one that CMake found. It runs isolated and with few variables of the

@@ -4,7 +4,7 @@
 ///     A command writes FILE.part, syncs it and renames it to FILE. A file that exists is refused without --force, but for default names in
 ///     results/; with it the old file is gone only when the new one is complete. Nothing else is removed, and an input is never replaced.
 ///
-/// Every file is written through a PartFile. tests/architecture shows that no source opens a file for writing otherwise.
+/// Every file is written through a PartFile.
 
 #include <cstddef>
 #include <filesystem>

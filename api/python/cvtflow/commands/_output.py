@@ -141,7 +141,7 @@ class Output:
             file.write(data)
 
     def _write_file(self, data):
-        part, folder = self.path + ".part", os.path.dirname(self.path) or "."
+        part = self.path + ".part"
         self._require_place()
         with open(os.open(part, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666), "wb") as file:
             try:
@@ -158,22 +158,27 @@ class Output:
             except OSError:
                 os.unlink(part)
                 raise
-            self._give_name(part)
-        number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-        os.fsync(number)
-        os.close(number)
+            give_name(part, self.path, self._replaces)
+        sync_folder(os.path.dirname(self.path) or ".")
 
-    def _give_name(self, part):
-        """Renames a complete file, with the mode of the one that it replaces."""
-        try:
-            os.link(part, self.path)
-            os.unlink(part)
-        except FileExistsError:
-            if _other_than_file(self.path) or not self._replaces():
-                raise OutputError(f"{self.path}: another program has written it meanwhile and it stays; the file of this one is {part}"
-                                  ) from None
-            os.chmod(part, stat.S_IMODE(os.stat(self.path).st_mode))
-            os.rename(part, self.path)
+
+def sync_folder(folder):
+    """Brings the names in a folder to disk."""
+    number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    os.fsync(number)
+    os.close(number)
+
+
+def give_name(part, path, replaces):
+    """Renames a complete file, with the mode of the one that it replaces, if replaces() permits that. Raises OutputError otherwise."""
+    try:
+        os.link(part, path)
+        os.unlink(part)
+    except FileExistsError:
+        if _other_than_file(path) or not replaces():
+            raise OutputError(f"{path}: another program has written it meanwhile and it stays; the file of this one is {part}") from None
+        os.chmod(part, stat.S_IMODE(os.stat(path).st_mode))
+        os.rename(part, path)
 
 
 def report_written(path):

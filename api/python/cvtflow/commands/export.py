@@ -3,13 +3,12 @@
 import io
 import os
 import re
-import shutil
 from html import escape
 
 import numpy as np
 
 from ._front import FORCE, UsageError, file_or_result, require, say
-from ._output import Output, OutputError
+from ._output import Output, OutputError, give_name, sync_folder
 
 DESCRIPTION = "Write a record for other programs: channels as CSV, pins and plates for ParaView"
 FOOTER = """
@@ -97,17 +96,22 @@ def _vtk(given, record):
                 raise OutputError(f"{file}: already exists; --force replaces the series there")
     there = os.path.isdir(folder)
     try:
-        rows = _files(solids, range(0, len(record.states), given.every), growing, name)
         os.makedirs(folder, exist_ok=True)
+        rows = _files(solids, range(0, len(record.states), given.every), growing, name)
         for _, entry in rows:
-            os.replace(os.path.join(growing, entry), os.path.join(folder, entry))
+            give_name(os.path.join(growing, entry), os.path.join(folder, entry), lambda: given.force)
         output.write(vtk.collection([(time, escape(f"{name}/{entry}")) for time, entry in rows]).encode())
     except OSError as error:
         if not there and os.path.isdir(folder) and not os.listdir(folder):
             os.rmdir(folder)
-        raise error if isinstance(error, OutputError) else OutputError(f"{folder}: cannot write: {error.strerror}") from None
+        if isinstance(error, OutputError):
+            raise
+        for entry in filter(own.fullmatch, os.listdir(growing) if os.path.isdir(growing) else ()):
+            os.remove(os.path.join(growing, entry))
+        raise OutputError(f"{folder}: cannot write: {error.strerror}") from None
     finally:
-        shutil.rmtree(growing, ignore_errors=True)
+        if os.path.isdir(growing) and not os.listdir(growing):
+            os.rmdir(growing)
     for entry in os.listdir(folder):
         if (found := own.fullmatch(entry)) and int(found[1]) >= len(rows):
             os.remove(os.path.join(folder, entry))
@@ -127,4 +131,5 @@ def _files(solids, numbers, growing, name):
             file.write(solids.file(number))
             file.flush()
             os.fsync(file.fileno())
+    sync_folder(growing)
     return rows
