@@ -25,20 +25,20 @@ struct Recording final : public tasks::RunObserver {
     Recording(api::HostSimulation& of, const std::string& path, bool replace)
         : simulation(of),
           scene(of.scene()),
-          options(writing(path, scene, replace)),
+          options(writing(path, of, replace)),
           recorder(scene, of.simulation(), options),
           next(std::ceil(std::max(0.0, of.simulation().time()) / scene.run.output_interval - 1e-9)) {
-        if (simulation.callbacks().recorder != nullptr) throw Error(ErrorCode::state, "the simulation is being recorded already");
         simulation.callbacks().recorder = this;
     }
     ~Recording() override { detach(); }
     Recording(const Recording&) = delete;
     Recording& operator=(const Recording&) = delete;
 
-    [[nodiscard]] static tasks::RunOptions writing(const std::string& path, const tasks::Scene& scene, bool replace) {
+    [[nodiscard]] static tasks::RunOptions writing(const std::string& path, api::HostSimulation& of, bool replace) {
+        if (of.callbacks().recorder != nullptr) throw Error(ErrorCode::state, "the simulation is being recorded already");
         tasks::RunOptions made;
         made.file = {path, engine::any_file(replace), "remove it, name another file, or replace = true"};
-        engine::require_place(made.file, input_files(scene));
+        engine::require_place(made.file, input_files(of.scene()));
         return made;
     }
 

@@ -129,7 +129,7 @@ IN_FILES = (
     ("info cut_state.h5", 1, "cut_state.h5: truncated HDF5 file: 2000 bytes of {state}"),
     ("table text.h5", 1, "text.h5: not a sweep's table as cvtflow table --csv prints it"),
     ("resume nothing.h5", 1, "nothing.h5: No such file or directory"),
-    ("resume state.h5", 1, "state.h5: a state file, not a checkpoint: it has no integration_scalars"),
+    ("resume state.h5", 1, "state.h5: a state file, not a checkpoint: it has no fields"),
     ("resume folder", 1, "folder: contains no sweep"),
     *((f"{command} {'a' * 300}", 1, "a" * 300 + ": File name too long") for command in ("table", "resume")),
     ("run tiny --set start.state=gone.h5", 2, '--set start.state=gone.h5: start.state: no file "gone.h5"'),

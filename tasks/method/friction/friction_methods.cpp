@@ -61,7 +61,7 @@ constexpr double rigid_damping_reach = 2.0;
             .reach = {leapfrog_reach, MethodReach::unlimited, MethodReach::unlimited, rigid_damping_reach},
             .longest_step = longest_rigid_step,
             .wave_filter = model::wave_filter,
-            .revision = 4,
+            .revision = 5,
             .missing = missing_rigid_pins};
 }
 
