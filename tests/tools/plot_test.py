@@ -163,9 +163,11 @@ class PlotCommand(Program):
 
     def test_outputs_are_means_over_their_interval_where_the_scene_asks_for_them(self):
         """Means of 1 ms beside those of outputs every 10 us of the same steps, by the trapezoidal rule; sums are those of the instant."""
+        self.cvtflow("settle baseline -q --detail rigid -o settled.h5")
         for name, settings in (("means", "--set 'run.output_interval=1 ms' --set record.means=true"),
                                ("dense", "--set 'run.output_interval=10 us'")):
-            self.cvtflow(f"run baseline -q --detail rigid --step '5 us' --until '4 ms' --set 'run.state_interval=1 ms' -o {name}.h5 {settings}")
+            self.cvtflow(f"run baseline -q --detail rigid --step '5 us' --until '4 ms' --set 'run.state_interval=1 ms' "
+                         f"--set start.state=settled.h5 -o {name}.h5 {settings}")
         self.assertEqual(len(channel("means.h5", "time")), 5)
         for name in ("tight_tension", "slip", "loss/tip_friction", "shaft_2/torque", "chain_speed"):
             rows, dense = channel("means.h5", name), channel("dense.h5", name)

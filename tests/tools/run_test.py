@@ -217,7 +217,7 @@ class RigidPins(Program):
 
 class Commands(Program):
     def test_are_all_in_the_help_and_report_program_build_and_machine(self):
-        self.assertEqual(len(commands_of(PROGRAM)), 18)
+        self.assertEqual(len(commands_of(PROGRAM)), 19)
         for name in commands_of(PROGRAM):
             self.has(self.out(f"{name} --help"), f"Usage: cvtflow {name}")
         version = self.out("--version")

@@ -1,11 +1,10 @@
 """`cvtflow export`: a record for other programs."""
 
 import io
+import math
 import os
 import re
 from html import escape
-
-import numpy as np
 
 from ._front import FORCE, UsageError, file_or_result, require, say
 from ._output import Output, OutputError, give_name, sync_folder
@@ -63,7 +62,7 @@ def _csv(given, record):
     text = io.StringIO()
     text.write(",".join(["time [s]", *(f"{name} [{unit}]" for name, unit in units.items())]) + "\n")
     for row in zip(*(column.tolist() for column in columns)):
-        text.write(",".join("" if value != value or abs(value) == np.inf else repr(value).removesuffix(".0") for value in row) + "\n")
+        text.write(",".join("" if value != value or abs(value) == math.inf else repr(value).removesuffix(".0") for value in row) + "\n")
     output.write(text.getvalue().encode())
     if output.notice:
         say(output.notice)
