@@ -174,8 +174,8 @@ class PlotCommand(Program):
             stride = (len(dense) - 1) // 4
             for k in range(1, 5):
                 part = dense[(k - 1) * stride:k * stride + 1]
-                spread = abs(part - part[-1]).max()  # a twentieth of it: the curve between outputs is not straight
-                self.assertAlmostEqual(rows[k], 0.5 * (part[1:] + part[:-1]).mean(), delta=0.05 * spread + 1e-12 * abs(rows[k]), msg=name)
+                spread = abs(part - part[-1]).max()  # a tenth of it: a mean has 14 samples, ten per pin period, of a curve that jumps
+                self.assertAlmostEqual(rows[k], 0.5 * (part[1:] + part[:-1]).mean(), delta=0.1 * spread + 1e-12 * abs(rows[k]), msg=name)
             self.assertAlmostEqual(rows[0], dense[0], delta=1e-4 * abs(dense[0]), msg="of the instant: nothing was before")
         total, dense = (channel(f"{name}.h5", "dissipated/total")[-1] for name in ("means", "dense"))
         self.assertAlmostEqual(total, dense, delta=1e-3 * dense)  # losses are sampled, at other steps
