@@ -44,21 +44,6 @@ std::string beside(const std::string& file, std::string_view ending) {
     return name + std::string(ending);
 }
 
-std::string picture_path(const std::string& named, const std::string& input, const char* inside) {
-    if (!named.empty()) return named;
-    const std::filesystem::path path(input), name(inside);
-    return std::filesystem::is_directory(path) ? (path / name).string() : beside(input, name.extension().string());
-}
-
-std::vector<std::filesystem::path> read_files(const std::vector<std::string>& files) {
-    std::vector<std::filesystem::path> read;
-    for (const std::string& file : files) {
-        read.emplace_back(file);
-        read.push_back(std::filesystem::path(file) / "results.csv");
-    }
-    return read;
-}
-
 engine::OutputFile output_file(const std::string& path, bool named, bool force) {
     const auto finished = [](const std::string& there) {
         const auto permissions = std::filesystem::status(there).permissions();

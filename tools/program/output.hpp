@@ -22,13 +22,6 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 /// "run_0.1.html".
 [[nodiscard]] std::string beside(const std::string& file, std::string_view ending);
 
-/// Path of the picture or page of an input: the file that the user names, else `inside` a folder, or beside a file.
-/// @param inside "plot.svg"
-[[nodiscard]] std::string picture_path(const std::string& named, const std::string& input, const char* inside);
-
-/// The inputs that a command line names: files, and the tables of folders.
-[[nodiscard]] std::vector<std::filesystem::path> read_files(const std::vector<std::string>& files);
-
 /// A file that a command writes: it may replace one with `force`, and a finished one that is not write-protected under a default name in
 /// results/. @param named the user chose the name
 [[nodiscard]] engine::OutputFile output_file(const std::string& path, bool named, bool force);
