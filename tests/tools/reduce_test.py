@@ -68,12 +68,11 @@ HOST = r"""
 /* Processor time of an addition that waits for the one before: three or four cycles, whatever the clock [s]. */
 static double addition(void) {
     volatile double one = 1.0;
-    const double term = one;
     double sum = 0.0, best = 1.0;
     int round, k;
     for (round = 0; round < 30; ++round) {
         const clock_t begin = clock();
-        for (k = 0; k < 10000000; ++k) sum += term;
+        for (k = 0; k < 10000000; ++k) sum += one;
         if ((double)(clock() - begin) / CLOCKS_PER_SEC < best) best = (double)(clock() - begin) / CLOCKS_PER_SEC;
     }
     one = sum;

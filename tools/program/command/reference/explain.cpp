@@ -60,7 +60,8 @@ std::string found_in_meanings(const std::string& word) {
     std::string names;
     const auto search = [&](std::string_view name, std::string_view meaning) {
         const auto same = [](char a, char b) { return std::tolower(a) == std::tolower(b); };
-        if (std::ranges::search(meaning, word, same).empty() && std::ranges::search(name, word, same).empty()) return;
+        const std::string text = fmt::format("{}\n{}", name, meaning);
+        if (std::search(text.begin(), text.end(), word.begin(), word.end(), same) == text.end()) return;
         names += (names.empty() ? "" : ", ") + std::string(name);
     };
     for (const tasks::Parameter& key : tasks::parameter_table()) search(key.key, key.meaning);
