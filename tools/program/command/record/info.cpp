@@ -129,7 +129,7 @@ long running(const tasks::FolderProgress& progress) {
 /// Processes that have added rows, running ones first.
 std::string workers_text(std::vector<tasks::FolderProgress::Worker> workers) {
     constexpr std::size_t shown = 20;
-    std::ranges::stable_partition(workers, &tasks::FolderProgress::Worker::running);
+    std::stable_partition(workers.begin(), workers.end(), [](const auto& worker) { return worker.running; });
     Table table({{"rows of"}, {"claims", Align::right}, {"cases", Align::right}, {"process"}});
     for (std::size_t k = 0; k < std::min(shown, workers.size()); ++k)
         table.add({workers[k].name, std::to_string(workers[k].pieces), std::to_string(workers[k].rows),
