@@ -7,7 +7,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr long max_count = 1L << 53U;  // up to here a double holds every count exactly
+constexpr std::int64_t max_count = std::int64_t{1} << 53U;  // up to here a double holds every count exactly
 
 /// Energies, then temperatures.
 void visit_sums(Workspace& w, engine::Archive& archive) {
