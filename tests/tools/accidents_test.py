@@ -17,16 +17,16 @@ from program import (BRIEFLY, BUILD, PROGRAM, SETTLING, TO_BE_ENDED, Program, ca
                      read, with_faults, write, write_sweep)
 
 RIGID = "run tiny -q --until '60 ms' --detail rigid --set run.method=leapfrog-rigid --set 'run.step=2 us' --set run.schedule=serial"
-ON = 'if [ -e r.checkpoint.h5 ]; then "$CVTFLOW" resume r.checkpoint.h5 -q; elif [ ! -e r.h5 ]; then "$CVTFLOW" {} -o r.h5 --force; fi'
+ON = 'if [ -e r.checkpoint.h5 ]; then "$CVTFLOW" resume r.checkpoint.h5 -q; elif [ ! -e r.h5 ]; then "$CVTFLOW" {} --force; fi'
 BATCH = "batch ../sweep.toml -o out --threads 1"
 # Command: its processes, their line, what goes on after an accident.
-WORKS = {"run": (1, f"{TO_BE_ENDED} -o r.h5 --checkpoint-every '5 ms'", ON.format(TO_BE_ENDED)),
-         "run of rigid pins": (1, f"{RIGID} -o r.h5 --checkpoint-every '20 ms'", ON.format(RIGID)),
+RUNS = {"run": f"{TO_BE_ENDED} -o r.h5 --checkpoint-every '5 ms'", "run of rigid pins": f"{RIGID} -o r.h5 --checkpoint-every '20 ms'"}
+WORKS = {**{name: (1, line, ON.format(line)) for name, line in RUNS.items()},
          "batch": (1, BATCH, f'"$CVTFLOW" {BATCH}'), "three workers": (3, BATCH, f'"$CVTFLOW" {BATCH}')}
 TOP = f"{tempfile.gettempdir()}/cvtflow_test_{os.getpid()}"  # of Program
 FULL_DISK = """mount -t tmpfs -o size=$SIZE tmpfs work && cp -r work_before/. work && cd work || exit 77
 bash -c "$LINE" >../log 2>&1 || { [ $? -eq 1 ] && grep -q "No space left" ../log; } || { cat ../log >&2; exit 1; }
-mount -o remount,size=1g . && bash -c "$ON" >../log 2>&1 || { cat ../log >&2; exit 2; }
+mount -o remount,size=1g tmpfs . && bash -c "$ON" >../log 2>&1 || { cat ../log >&2; exit 2; }
 cp -r . ../after"""
 POWER = BUILD / "tests/libcvtflow_power.so"
 # Files of a user in the folder of a sweep.

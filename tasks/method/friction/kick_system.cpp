@@ -137,7 +137,7 @@ void SegmentFields::clear(std::size_t field) noexcept {
 void SegmentFields::visit(std::size_t field, std::string_view name, engine::Archive& archive) {
     const std::span numbers(moving_.data(), at(rows_[field] * friction_.chain().layout().links));
     float* next = numbers.data();
-    if (!archive.reads()) for_numbers(*this, field, [&](float number) { *next++ = number; });
+    if (!archive.reads()) for_numbers(*this, field, [&](float number) { *next++ = number + 0.0F; });  // no zero below 0: segments decide
     archive(name, numbers);
     if (archive.reads()) set(field, [&] { return *next++; });
 }
