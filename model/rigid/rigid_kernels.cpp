@@ -2,7 +2,6 @@
 
 #include "model/basis/native_lanes.hpp"
 #include "model/kernels/kernels.hpp"
-#include "model/rigid/rigid_guide.hpp"
 #include "model/rigid/rigid_links.hpp"
 #include "model/rigid/rigid_observation.hpp"
 #include "model/rigid/rigid_plates.hpp"

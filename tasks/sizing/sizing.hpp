@@ -48,4 +48,9 @@ struct Sizing {
 /// Adds S_1, by the theory of a belt, and what follows from it.
 void size_driving(const Scene& scene, SizedPoint& point);
 
+/// Sentences on what of a scene lies outside of the ranges in which errors are known (docs/validity.md, whose figures these are), in the
+/// order of the page. Empty: nothing does.
+/// @param sizing of the scene's tables; without instants only what is constant is judged   @param automatic_step [s]
+[[nodiscard]] std::vector<std::string> outside_validity(const Scene& scene, const Sizing& sizing, double automatic_step);
+
 }  // namespace cvtflow::tasks

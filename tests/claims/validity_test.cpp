@@ -1,4 +1,4 @@
-#include "tasks/sizing/validity.hpp"
+#include "tasks/sizing/sizing.hpp"
 
 #include <gmock/gmock.h>
 

@@ -118,6 +118,7 @@ IN_FILES = (
     ("info missing.h5", 1, "missing.h5: No such file or directory"),
     ("info folder", 1, "folder: a folder without results of a sweep (sweep.json)"),
     ("info text.h5", 1, "text.h5: not an HDF5 file"),
+    ("info scene.toml", 1, "scene.toml: a scene or a sweep, not a result"),
     *((f"{command} pipe", 1, "pipe: not a regular file") for command in ("info", "resume")),
     ("info /dev/zero", 1, "/dev/zero: not a regular file"),
     ("check ./pipe", 1, "./pipe: cannot be read: not a regular file"),

@@ -328,6 +328,11 @@ class Sweeps(Pages):
         self.assertEqual(text.count("<b>ok</b>: 2 of 2 cases"), 2)
         self.has(text, 'id="cases-table1"')
         self.has(page("a.csv", "run.h5", expected=2), "a report covers records, or sweeps")
+        for name, torque in (("one", 6), ("two", 7)):
+            write(f"{name}.toml", f'[sweep]\nname = "{name}"\ndescription = "Two cases."\nscene = "tiny"\n[set]\nload.torque = {torque}\n'
+                                  'run.until = "20 us"\n[[axes]]\nkey = "drive.speed"\nvalues = [100, 101]\n[outputs]\nscalars = ["slip mean"]\n')
+            self.assertEqual(cvtflow("batch", f"{name}.toml", "-o", name, "-q").returncode, 0)
+        self.matches(page("one", "two"), r"Keys of the sweeps that differ</caption>(?s:.)*load.torque</td>\s*<td[^>]*>6 N\*m</td>\s*<td[^>]*>7 N\*m<")
 
     def test_has_measured_data_over_a_measured_key(self):
         write("cases.csv", "case,status,load_torque,slip_mean\n0,ok,10,0.01\n1,ok,20,0.02\n")

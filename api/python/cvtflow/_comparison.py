@@ -6,7 +6,7 @@ import numpy as np
 
 from . import _known, plots
 from ._channels import shown
-from ._courses import time_text
+from ._courses import differing_scenes, time_text
 from ._figures import Line, Panel, draw
 from ._numbers import mean, period_means, thinned
 from ._page import folded, heading, number, picture, table, text
@@ -48,15 +48,16 @@ class Span:
         return period_means(time, gap, self.period) if self.period and len(time) > 1 else (time, gap)
 
 
-def _keys_that_differ(records, facts):
-    keys = plots.differing(records)
+def keys_that_differ(scenes, facts, of="scenes"):
+    """Blocks that name the keys in which scenes, or what the cases of sweeps share, differ."""
+    keys, count = differing_scenes(scenes), len(scenes)
     if keys is None:
-        return [text("This program cannot read the scenes of all records.")]
+        return [text(f"This program cannot read all {of}.")]
     if not keys:
-        return [text(f"Every key of {'both' if len(records) == 2 else 'the'} scenes has the same value.")]
-    rows = [[key, *(_known.value_text(record.scene, key) for record in records), facts.keys.get(key, ("", ""))[1]] for key in keys]
-    return [table(["key", *letters(len(records)), "meaning"], rows, "keys", "Keys of the scenes that differ", "key",
-                  styles={0: "code", len(records) + 1: "meaning"})]
+        return [text(f"Every key of {'both' if count == 2 else 'the'} {of} has the same value.")]
+    rows = [[key, *(_known.value_text(scene, key) for scene in scenes), facts.keys.get(key, ("", ""))[1]] for key in keys]
+    return [table(["key", *letters(count), "meaning"], rows, "keys", f"Keys of the {of} that differ", "key",
+                  styles={0: "code", count + 1: "meaning"})]
 
 
 def _side_by_side(records, names, span, si, caption):
@@ -121,7 +122,7 @@ def comparison(records, facts, si):
     """Blocks of the section that compares records with the first of them."""
     named = letters(len(records))
     blocks = [text("; ".join(f"{letter}: {record.path}" for letter, record in zip(named, records)))]
-    blocks += _keys_that_differ(records, facts)
+    blocks += keys_that_differ([record.scene for record in records], facts)
     late, whole = Span(records, late=True), Span(records, late=False)
     if not whole.common:
         return [*blocks, text("The records have no common time, so their rows cannot be compared.")]

@@ -59,8 +59,12 @@ def heading(records):
 
 
 def differing(records):
-    """Keys in which the scenes of records differ; None where a scene cannot be read. Of two levels of detail, the level alone."""
-    scenes = [record.scene for record in records]
+    """As differing_scenes(), of the scenes of records."""
+    return differing_scenes([record.scene for record in records])
+
+
+def differing_scenes(scenes):
+    """Keys in which scenes differ; None where one could not be read. Of two levels of detail, the level alone."""
     if any(scene is None for scene in scenes):
         return None
     keys = [key for key in _known.rows_of("keys") if not key.startswith("scene.")]

@@ -7,6 +7,7 @@ import numpy as np
 
 from . import _known, maps
 from ._channels import shown
+from ._comparison import keys_that_differ, letters
 from ._courses import detail_text
 from ._page import heading, pairs, picture, provenance, section, table, text
 
@@ -154,6 +155,9 @@ def parts(sweeps, facts, measured=None, si=False):
         return [block for k in range(len(sweeps)) if (made := make(k)) for block in ([titled[k]] if several else []) + made]
 
     if blocks := every(lambda k: _simulated(sweeps[k], facts)):
+        if several:
+            named = "; ".join(f"{letter}: {results.path}" for letter, results in zip(letters(len(sweeps)), sweeps))
+            blocks = [text(named), *keys_that_differ([_known.scene_of_sweep(results) for results in sweeps], facts, "sweeps"), *blocks]
         sections.append(section("simulated", "What was simulated", blocks))
     if measured is not None:
         sections.append(section("measured", "Measured data", _measured(sweeps, measured, si)))

@@ -85,7 +85,7 @@ Handle open_that(const std::string& path, const InputFile& checked) {
 OpenFile open_input(const std::string& path, const FileKind& kind) {
     const InputFile input(path);
     const Marked mark = mark_of(input);
-    if (mark == Marked::no) throw RecordError(path + ": not an HDF5 file");
+    if (mark == Marked::no) throw RecordError(path + (path.ends_with(".toml") ? ": a scene or a sweep, not a result" : ": not an HDF5 file"));
     if (mark == Marked::old && kind.format != nullptr) throw RecordError(path + ": an HDF5 file, but not a " + name_of_kind(kind.format));
     const Seal seal = inspect_seal(input);
     if (seal == Seal::broken) throw_damaged(path, "changed after it was finished: its checksum differs");

@@ -18,7 +18,7 @@ def declare(parser):
     add = parser.add_argument
     add("-o", "--output", metavar="FILE.fmu", help="File to write; must not exist (default: SCENE.fmu)")
     add("--force", action="store_true", help=FORCE)
-    add("--fmi", metavar="N", type=lambda version: int(version.removesuffix(".0")), choices=(2, 3), default=3, help="Version of the standard, 2 or 3 (default: 3)")
+    add("--fmi", metavar="N", choices=("2", "2.0", "3", "3.0"), default="3", help="Version of the standard, 2 or 3 (default: 3)")
     for option, what, text in (("--inputs", "NAME,...", "Inputs by name, separated by commas (default: all inputs of the scene)"),
                                ("--outputs", "CHANNEL,...", "Channels, separated by commas, or all (default: a dozen)"),
                                ("--parameters", "KEY,...", "Keys of the machine, separated by commas, or all (default: a dozen); the others "
@@ -42,12 +42,13 @@ def act(given):
     files, alone = _scene_fmu.libraries()
     simulation = _scene_fmu.settled(scene)
     names = [each.split(",") for each in (given.inputs, given.outputs, given.parameters)]
-    data = _scene_fmu.content(simulation, files, given.fmi, *names, given.author)
+    version = int(given.fmi[0])
+    data = _scene_fmu.content(simulation, files, version, *names, given.author)
     output.write(data)
     for notice in simulation.notices():
         say(notice)
     if not given.quiet:
         size = f"{1e-6 * len(data):.1f} MB" if len(data) >= 1e6 else f"{1e-3 * len(data):.1f} kB"
         systems = f"Linux only ({alone})" if alone else "Linux and Windows"
-        print(f"{visible(path)}: FMI {given.fmi}.0 for co-simulation, {systems}, {size}")
+        print(f"{visible(path)}: FMI {version}.0 for co-simulation, {systems}, {size}")
     return 0 if simulation.energy().reliable else 6

@@ -10,7 +10,7 @@
 #include "tasks/run/run_recorder.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/units.hpp"
-#include "tasks/sizing/validity.hpp"
+#include "tasks/sizing/sizing.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/program.hpp"
