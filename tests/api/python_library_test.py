@@ -5,11 +5,13 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
-from python_fixture import SOURCE, main
+from python_fixture import SOURCE, main, program
 
+import cvtflow
 from cvtflow import _errors, _library
 
 LETTERS = {"void": "v", "const char*": "s", "cvtflow_code": "i", "int32_t": "i", "double": "d", "size_t": "n", "uint64_t": "u"}
@@ -65,15 +67,23 @@ class Core(unittest.TestCase):
 
     CORE = Path(os.environ["CVTFLOW_BUILD"], "libcvtflow-core.so")
 
-    def run_with_core(self, program):
-        done = subprocess.run([sys.executable, "-c", "import cvtflow\n" + program], capture_output=True, text=True,
-                              env={**os.environ, "CVTFLOW_LIBRARY": str(self.CORE)})
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout
-
-    def test_simulates_with_the_same_bits(self):
+    def setUp(self):
         if not self.CORE.exists():
             self.skipTest("the core library is not built")
+
+    def run_with_core(self, program, *words):
+        done = subprocess.run([sys.executable, *(words or ["-c", "import cvtflow\n" + program])], capture_output=True, text=True,
+                              env={**os.environ, "CVTFLOW_LIBRARY": str(self.CORE)})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout + done.stderr
+
+    def test_passes_the_tests_of_what_it_has(self):
+        for part, classes, count in (("scene", "Units Channels Faces WrongTypes", 6), ("simulation", "Calls Running Failing Cost", 9)):
+            shown = self.run_with_core("", str(Path(__file__).with_name(f"python_{part}_test.py")), *classes.split())
+            self.assertIn(f"Ran {count} tests", shown)
+            self.assertNotIn("skipped", shown)
+
+    def test_simulates_with_the_same_bits(self):
         program = """
 scene = cvtflow.Scene.ready("tiny").with_("start.state=", "start.settling_time=20 us", "start.ramp_time=10 us")
 simulation = cvtflow.Simulation(scene)
@@ -90,9 +100,18 @@ print(simulation.hash() == other.hash(), simulation.hash(), simulation.channels[
         full = subprocess.run([sys.executable, "-c", "import cvtflow\n" + program], capture_output=True, text=True, check=True, cwd=SOURCE).stdout
         self.assertEqual(shown, full)
 
+    def test_reads_records_and_scenes_and_draws_them(self):
+        with tempfile.TemporaryDirectory() as folder:
+            record = Path(folder, "tiny.h5")
+            program("run", "tiny", "--until", "100 us", "-q", "-o", str(record))
+            shown = self.run_with_core(f"""
+record = cvtflow.Record({str(record)!r})
+record.plot("slip").savefig({str(record)!r} + ".svg")
+print(record.status, record.rows, cvtflow.Scene.read({SOURCE!r} + "/scenes/tiny.toml") == cvtflow.Scene.ready("tiny"))""")
+            self.assertEqual(shown, f"{cvtflow.Record(record).status} {cvtflow.Record(record).rows} True\n")
+            self.assertIn("<svg", Path(folder, "tiny.h5.svg").read_text())
+
     def test_says_what_it_has_not(self):
-        if not self.CORE.exists():
-            self.skipTest("the core library is not built")
         shown = self.run_with_core("""
 simulation = cvtflow.Simulation("tiny")
 for action in (lambda: cvtflow.Recording(simulation, "r.h5"), lambda: cvtflow.SweepFile.read("s.toml"), cvtflow.shutdown):

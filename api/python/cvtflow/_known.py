@@ -96,8 +96,8 @@ def record_file(path):
     path = os.fspath(path)
     from ._reading import RecordFile
 
-    check(c.record_check(os.fsencode(path), message()))
     try:
+        c.alone or check(c.record_check(os.fsencode(path), message()))
         return RecordFile(path)
     except (OSError, KeyError) as error:
         raise RecordError(f"{path}: not a record that can be read: {error}") from None

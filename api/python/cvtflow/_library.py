@@ -131,7 +131,7 @@ def _places():
 
 
 class Library:
-    """The functions of the library, as attributes; a core library has not all of them."""
+    """The functions of the library, as attributes. alone: whether it is a core library, which has no files and so not all of them."""
 
     def __init__(self, path: str) -> None:
         for loader, table in ((ctypes.PyDLL, BRIEF), (ctypes.CDLL, LONG)):
@@ -142,6 +142,7 @@ class Library:
                 if function is not None:
                     function.restype, function.argtypes = TYPES[result], [TYPES[each] for each in arguments]
                     setattr(self, name, function)
+        self.alone = "record_check" not in vars(self)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):

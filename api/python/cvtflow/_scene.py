@@ -77,7 +77,11 @@ class Scene:
     @plain("Scene.read")
     def read(path: str | os.PathLike[str]) -> Scene:
         """Reads a scene file. Raises SceneError with every problem in it."""
-        return Scene._made(c.scene_read, encoded(path, (str, os.PathLike)))
+        place = encoded(path, (str, os.PathLike))
+        if c.alone and os.path.isfile(path):
+            with open(path, encoding="utf-8") as file:
+                return Scene._made(c.scene_parse, encoded(file.read()), place)
+        return Scene._made(c.scene_read, place)
 
     @staticmethod
     @plain("Scene.parse")
