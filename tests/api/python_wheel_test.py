@@ -59,6 +59,26 @@ print(cvtflow.Record("r.h5").status)"""
             self.assertIn(shown, ran.stdout + ran.stderr)
         self.assertIn("<svg", Path(self.folder, "r.svg").read_text())
 
+    @unittest.skipUnless((BUILD / "cvtflow.dll").exists(), "the target cvtflow_windows is not built")
+    def test_that_for_windows_has_the_core_library_and_no_program(self):
+        file = wheel(self.folder, CVTFLOW_WINDOWS="1")
+        self.assertRegex(file.name, "-py3-none-win_amd64.whl$")
+        with zipfile.ZipFile(file) as opened:
+            opened.extractall(self.site)
+        self.assertEqual({each.name for each in self.site.glob("cvtflow/lib/**/*.*")}, {"cvtflow.dll", "cvtflow_fmu.dll", "cvtflow_fmu.so"})
+        self.assertFalse(Path(self.site, "cvtflow/bin/cvtflow").exists())
+        program = """import cvtflow, cvtflow._program
+rows = cvtflow.run(cvtflow.Scene.ready("tiny").with_("start.state=", "start.settling_time=20 us", "start.ramp_time=10 us"), "100 us")
+rows.plot("slip").savefig("slip.svg")
+cvtflow.export_fmu(cvtflow.Scene.ready("tiny").with_("start.state=", "start.settling_time=20 us", "start.ramp_time=10 us"), "tiny.fmu")
+cvtflow._program.main()"""
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=self.folder,  # in place of cvtflow.dll
+                              env={"PYTHONPATH": str(self.site), "CVTFLOW_LIBRARY": str(BUILD / "libcvtflow-core.so")})
+        self.assertRegex(done.stderr, "^cvtflow: .*: this package has the core library alone, .*; the program is in packages for Linux\n$")
+        with zipfile.ZipFile(Path(self.folder, "tiny.fmu")) as parts:
+            self.assertLess({"binaries/x86_64-windows/tiny.dll", "binaries/x86_64-linux/tiny.so"}, set(parts.namelist()))
+        self.assertIn("<svg", Path(self.folder, "slip.svg").read_text())
+
     @unittest.skipUnless(DEEP, "deep")
     def test_a_bundle_contains_all_libraries_that_not_every_distribution_has(self):
         file = wheel(self.folder, CVTFLOW_BUNDLE="1")

@@ -188,16 +188,17 @@ def _library(name):
 
 
 def libraries():
-    """Libraries by system, and why there is none for Windows; empty: there is one. One that is older than that for Linux is left out."""
+    """Libraries by system, and why there is none for Windows; empty: there is one. One that is older than that for Linux is left out, but for
+    those of a wheel, which were checked when it was made, and whose times are those of its installation."""
     linux, windows = _library("cvtflow_fmu.so"), _library("cvtflow_fmu.dll")
     if linux is None:
         raise ValueError("cvtflow_fmu.so: found neither beside this program nor in lib/cvtflow of its installation (cmake --build build "
                          "--target cvtflow_fmu; x86-64 only)")
     if windows is None:
         return {"Linux": linux}, "no cvtflow_fmu.dll: docs/fmi.md"
-    if os.stat(windows).st_mtime_ns < os.stat(linux).st_mtime_ns:
+    if not windows.startswith(_HERE) and os.stat(windows).st_mtime_ns < os.stat(linux).st_mtime_ns:
         return {"Linux": linux}, ("cvtflow_fmu.dll is older than cvtflow_fmu.so and is left out: cmake --build build --target "
-                                  "cvtflow_fmu_windows")
+                                  "cvtflow_windows")
     return {"Linux": linux, "Windows": windows}, ""
 
 

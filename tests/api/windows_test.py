@@ -1,6 +1,7 @@
-"""An FMU under Wine gives the bits that it gives on Linux. Exit status 77: no Wine, no mingw-w64, or no Windows library was built.
+"""The core library and an FMU under Wine give the bits that they give on Linux. Exit status 77: no Wine, no mingw-w64, or no library for
+Windows was built.
 
-    tests/api/fmu_windows_test.py CVTFLOW CC        CC: C compiler of this system
+    tests/api/windows_test.py CVTFLOW CC        CC: C compiler of this system
 """
 
 import os
@@ -16,7 +17,9 @@ import zipfile
 
 PROGRAM, CC = sys.argv[1:3]
 del sys.argv[1:3]
-SOURCE = pathlib.Path(__file__).with_name("fmu_steps.c")
+BUILD = pathlib.Path(PROGRAM).parent
+HERE = pathlib.Path(__file__).resolve().parent
+SOURCE = HERE / "fmu_steps.c"
 MINGW = shutil.which("x86_64-w64-mingw32-gcc-posix") or shutil.which("x86_64-w64-mingw32-gcc")
 WINE = shutil.which("wine64") or shutil.which("wine") or shutil.which("wine64", path="/usr/lib/wine")
 SETTLING = ("--set", 'start.state=""', "--set", "start.settling_time=0.1 ms", "--set", "start.ramp_time=50 us")
@@ -39,6 +42,23 @@ class Windows(unittest.TestCase):
         server = pathlib.Path(WINE).with_name("wineserver")
         subprocess.run([str(server) if server.exists() else "wineserver", "-k"], env=cls.environment, check=False)
         cls.scratch.cleanup()
+
+    def host(self, compiler, standard, source, *words):
+        """What a host of cvtflow.dll prints."""
+        shutil.copy(BUILD / "cvtflow.dll", self.folder)
+        subprocess.run([compiler, standard, "-O1", "-DCORE_ONLY", "-I", HERE.parents[1] / "api/include", HERE / source, BUILD / "cvtflow.dll", "-o",
+                        self.folder / "host.exe", "-static"], check=True)
+        done = subprocess.run([WINE, "host.exe", *words], capture_output=True, text=True, env=self.environment, cwd=self.folder, timeout=300)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def test_a_program_in_c_finds_what_the_header_promises(self):
+        self.assertIn("all as promised", self.host(MINGW, "-std=c11", "c_program.c", "tiny"))
+
+    def test_a_program_in_cpp_gets_the_bits_of_linux(self):
+        words = ["tiny", "2e-4", "fine", "start.settling_time=0"]
+        here = subprocess.run([BUILD / "tests/api/core_program", *words], capture_output=True, text=True, check=True).stdout
+        self.assertEqual(self.host(MINGW.replace("gcc", "g++"), "-std=c++20", "core_program.cpp", *words), here)
 
     def exported(self, version, *more, scene="tiny"):
         """Folder of an exported FMU, and the value references of its variables."""
@@ -91,15 +111,14 @@ class Windows(unittest.TestCase):
         self.assertEqual(self.steps(inside, 2, 1, references, place), self.steps(inside, 2, 0, references))
 
     def test_a_library_older_than_that_for_linux_is_left_out(self):
-        build, package = pathlib.Path(PROGRAM).parent, self.folder / "cvtflow"  # the package as a wheel has it
-        shutil.copytree(build / "python/cvtflow", package)
-        place = package / "lib/cvtflow"
-        place.mkdir(parents=True)
-        newer = [os.stat(shutil.copy2(build / name, place)).st_mtime_ns for name in ("cvtflow_fmu.dll", "cvtflow_fmu.so")][1]
+        package, place = self.folder / "lib/python3/dist-packages/cvtflow", self.folder / "lib/cvtflow"  # as installed
+        shutil.copytree(BUILD / "python/cvtflow", package)
+        place.mkdir()
+        newer = [os.stat(shutil.copy2(BUILD / name, place)).st_mtime_ns for name in ("cvtflow_fmu.dll", "cvtflow_fmu.so")][1]
         for age, expected in ((0, "Linux and Windows"), (10**9, "Linux only (cvtflow_fmu.dll is older")):
             os.utime(place / "cvtflow_fmu.dll", ns=(newer - age, newer - age))
             done = subprocess.run(["/usr/bin/python3", "-I", "-B", package / "__main__.py", "export-fmu", "tiny", "-o", self.folder / "old.fmu", "--force"],
-                                  capture_output=True, text=True, check=True, env={**os.environ, "CVTFLOW_LIBRARY": str(build / "libcvtflow.so")})
+                                  capture_output=True, text=True, check=True, env={**os.environ, "CVTFLOW_LIBRARY": str(BUILD / "libcvtflow.so")})
             self.assertIn(expected, done.stdout)
         with zipfile.ZipFile(self.folder / "old.fmu") as parts:
             self.assertNotIn("binaries/x86_64-windows/tiny.dll", parts.namelist())
@@ -119,7 +138,7 @@ def has_windows_library():
 
 
 if __name__ == "__main__":
-    missing = "Wine" if not WINE else "mingw-w64" if not MINGW else "" if has_windows_library() else "the target cvtflow_fmu_windows"
+    missing = "Wine" if not WINE else "mingw-w64" if not MINGW else "" if has_windows_library() else "the target cvtflow_windows"
     if missing:
         print(f"skipped: {missing} is missing")
         sys.exit(77)
