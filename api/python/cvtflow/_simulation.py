@@ -16,8 +16,8 @@ from typing import Any
 from ._channels import Channels, of_simulation
 from ._errors import ArgumentError, BusyError, SceneError, StartStateError, StateError
 from ._known import suggestion
-from ._library import (ON_LINE, Column, Counters, Energy, Info, Options, Transition, _WrongType, c, check, described, encoded, in_si, made,
-                       message, plain)
+from ._library import (ON_LINE, Column, Counters, Energy, Info, Options, Transition, _local, _WrongType, c, check, described, encoded, in_si,
+                       made, message, plain)
 from ._notebook import shown, with_unit
 from ._scene import Scene, opened
 
@@ -136,7 +136,7 @@ class Simulation:
     def _begin(self, scene, threads, segments, handle):
         self._scene, self._threads, self._segments, self._owner, self._handle = scene, threads, segments, _Owner(handle), handle
         self._lock, self._views, self._infos, self._room = threading.Lock(), {}, None, 1 << 16
-        self._interval, self._pace = scene["run.output_interval"], 0.0  # [s]; simulated over wall time, 0: not known yet
+        self._interval = self._slice = scene["run.output_interval"]  # [s]; simulated in BETWEEN_CHECKS, at least an interval [s]
         self._on_output, self._every, self._outputs, self._on_transition = None, 1.0, 0.0, None
         self._value, self._address = c_double(), c_void_p()
         self._at_value, self._at_address = ctypes.addressof(self._value), ctypes.addressof(self._address)
@@ -185,7 +185,12 @@ class Simulation:
         if not self._lock.acquire(False):
             raise BusyError(_BUSY)
         try:
-            self._advance(until)
+            if self._on_output is None and self._on_transition is None and until - c.time(self._handle) <= self._slice:
+                code = c.advance_to(self._handle, until, _local.address)
+                if code:
+                    check(code)
+            else:
+                self._advance(until)
         finally:
             self._lock.release()
 
@@ -216,11 +221,8 @@ class Simulation:
         or less. A slice that ended between two outputs of the scene would begin the means of channels anew."""
         handle, at, interval = self._handle, message(), self._interval
         begin, near = c.time(handle), until - 1e-9 * interval
-        if not begin < near:
-            return check(c.advance_to(handle, until, at))
         while True:
-            intervals = max(1.0, self._pace * BETWEEN_CHECKS // interval)
-            end = min(until, ((begin / interval + 1e-9) // 1 + intervals) * interval)
+            end = min(until, ((begin / interval + 1e-9) // 1 + self._slice // interval) * interval)
             if self._on_output is not None:
                 end = min(end, self._outputs * self._every)
             if self._on_transition is not None:
@@ -229,7 +231,7 @@ class Simulation:
             check(c.advance_to(handle, end, at))
             now = c.time(handle)
             if now > begin:
-                self._pace = (now - begin) / max(clock.perf_counter() - started, 1e-9)
+                self._slice = max(interval, (now - begin) / max(clock.perf_counter() - started, 1e-9) * BETWEEN_CHECKS)
             if self._on_output is not None or self._on_transition is not None:
                 self._report(now)
             if not now < near:
