@@ -3,11 +3,10 @@
 import difflib
 import functools
 import math
-import os
 import re
 
-from ._errors import RecordError, SceneError
-from ._library import c, check, described, display_unit, message, quantity  # noqa: F401 (for others)
+from ._errors import SceneError
+from ._library import described, display_unit, quantity  # noqa: F401 (for others)
 
 
 class Misuse(ValueError):
@@ -89,18 +88,6 @@ def suggestion(name, names):
     """` (did you mean "..."?)`, or nothing."""
     near = difflib.get_close_matches(name, sorted(names), 1)
     return f' (did you mean "{near[0]}"?)' if near else ""
-
-
-def record_file(path):
-    """An opened record. Raises RecordError, TypeError."""
-    path = os.fspath(path)
-    from ._reading import RecordFile
-
-    try:
-        c.alone or check(c.record_check(os.fsencode(path), message()))
-        return RecordFile(path)
-    except (OSError, KeyError) as error:
-        raise RecordError(f"{path}: not a record that can be read: {error}") from None
 
 
 def read_scene(text):

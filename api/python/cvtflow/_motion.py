@@ -79,7 +79,7 @@ class Motion:
 def machine_state(record, number, pins, size):
     """Unknowns and phases of a state, which are compared with the machine. size: number of unknowns at least. Raises ValueError."""
     try:
-        state, phase = record.states[number], record._file.phases(number)
+        state, phase = record.states[number], record._file["states/phases"][number]
         if len(phase) == _TIPS * pins and len(state) >= size and phase.max(initial=0) <= 3:
             return state, phase
     except (KeyError, IndexError, ValueError):  # arrays that are absent or shorter

@@ -12,6 +12,8 @@ import numpy as np
 
 from . import _known, _wear
 from ._channels import Channels, Columns, split, unknown
+from ._errors import ArgumentError, RecordError
+from ._library import Column, c, check, message
 from ._notebook import shown, with_unit
 from ._numbers import Array, cycles, mean
 
@@ -21,13 +23,13 @@ def seconds(value: float | str) -> float:
     return _known.quantity(value, "s") if isinstance(value, str) else value
 
 
-def _names(channels):
-    """One name, or several."""
-    return [channels] if isinstance(channels, str) else channels
-
-
 class Series:
     """Arrays over time by name, "time" [s] among them. Derived classes define __getitem__ and info (name -> Column)."""
+
+    def _chosen(self, channels):
+        """(name, values, Column) of a name or several; None: of all of one number per row."""
+        names = [name for name, column in self.info.items() if column.width == 1] if channels is None else channels
+        return [(name, self[name], self.info[split(name)[0]]) for name in ([names] if isinstance(names, str) else names)]
 
     def frame(self, channels: str | Sequence[str] | None = None) -> Any:
         """A pandas.DataFrame with the time [s] as index; channels of several numbers become columns "links/tension[0]", ...
@@ -37,13 +39,11 @@ class Series:
         """
         import pandas
 
-        names = [name for name, column in self.info.items() if column.width == 1] if channels is None else _names(channels)
         columns, units = {}, {}
-        for name in names:
-            values = self[name]
+        for name, values, column in self._chosen(channels):
             parts = {name: values} if values.ndim == 1 else {f"{name}[{k}]": values[:, k] for k in range(values.shape[1])}
             columns.update(parts)
-            units.update(dict.fromkeys(parts, self.info[split(name)[0]].unit))
+            units.update(dict.fromkeys(parts, column.unit))
         frame = pandas.DataFrame(columns, index=pandas.Index(self["time"], name="time"))
         frame.attrs["units"] = units
         return frame
@@ -53,12 +53,8 @@ class Series:
         channels as in frame(). Raises ImportError where xarray is not installed."""
         import xarray
 
-        names = [name for name, column in self.info.items() if column.width == 1] if channels is None else _names(channels)
-        made = {}
-        for name in names:
-            values, column = self[name], self.info[split(name)[0]]
-            axes = ["time"] if values.ndim == 1 else ["time", f"{name.replace('/', '_')}_number"]
-            made[name] = (axes, values, {"units": column.unit, "long_name": column.description})
+        made = {name: (["time", f"{name.replace('/', '_')}_number"][:values.ndim], values, {"units": column.unit, "long_name": column.description})
+                for name, values, column in self._chosen(channels)}
         return xarray.Dataset(made, coords={"time": ("time", self["time"], {"units": "s"})})
 
     def means(self, begin: float | str | None = None) -> dict[str, float]:
@@ -175,32 +171,48 @@ class Series:
 class States:
     """The recorded states: states[3] are the unknowns of the fourth, states.unknowns those of all, states.phases the phases of the tips."""
 
-    def __init__(self, file: Any) -> None:
-        self._file = file
-        self.time = file.state_times()
+    def __init__(self, group: Any) -> None:
+        self._group, self.time = group, group["time"][:] if group else np.empty(0)
 
     def __len__(self) -> int:
         return len(self.time)
 
     def __getitem__(self, number: int) -> Array:
-        count = len(self)
-        if not -count <= number < count:
-            raise IndexError(f"state {number} of {count}")
-        return self._file.state(number % count)
+        return self._group["y"][range(len(self))[number]]
 
-    @property
-    def unknowns(self) -> Array:
-        """[states, unknowns], in the order of Simulation.unknowns()."""
-        return np.array([self._file.state(number) for number in range(len(self))])
+    def _rows(self, name):
+        return self._group[name][:len(self)] if name in self._group else np.empty((len(self), 0), dtype=np.uint8)
 
-    @property
-    def phases(self) -> Array:
-        """[states, tips]: 0 free, 1 touching, 2 sticking, 3 slipping."""
-        return np.array([self._file.phases(number) for number in range(len(self))])
+    unknowns = property(lambda self: self._rows("y"), doc="[states, unknowns], in the order of Simulation.unknowns().")
+    phases = property(lambda self: self._rows("phases"), doc="[states, tips]: 0 free, 1 touching, 2 sticking, 3 slipping.")
 
     def __repr__(self):
         span = f" from {self.time[0]:.6g} to {self.time[-1]:.6g} s" if len(self) else ""
         return f"<cvtflow.States: {len(self)}{span}>"
+
+
+def _text(value):
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+
+
+def _opened(path):
+    """The HDF5 file of a record, what it contains by name, and the times of its rows. Raises RecordError, TypeError."""
+    import h5py
+
+    c.alone or check(c.record_check(os.fsencode(path), message()))
+    try:
+        try:
+            file = h5py.File(path, "r")
+        except OSError:  # it is being written, or its writer was killed
+            file = h5py.File(path, "r", libver="latest", swmr=True)
+        found = []
+        file["channels"].visititems(lambda name, item: found.append((name, item)) if hasattr(item, "shape") and name != "time" else None)
+        found.sort(key=lambda each: int(each[1].attrs.get("index", 0)))
+        texts = [[_text(item.attrs.get(each, b"")) for each in ("units", "description")] for _, item in found]
+        info = {name: Column(name, *text, item.shape[1] if item.ndim > 1 else 1) for (name, item), text in zip(found, texts)}
+        return file, info, file["channels/time"][:].astype(float)
+    except (OSError, KeyError) as error:
+        raise RecordError(f"{os.fspath(path)}: not a record that can be read: {error}") from None
 
 
 class Record(Series, Mapping[str, Array]):
@@ -218,9 +230,8 @@ class Record(Series, Mapping[str, Array]):
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.place, self.path = path, os.fsencode(path).decode("utf-8", "replace")  # of what pages and messages show
-        self._file = _known.record_file(path)
-        self._columns = self._file.channels()
-        self._kept = {"time": self._file.read("time")}
+        self._file, self.info, time = _opened(os.fspath(path))
+        self._kept = {"time": time}
 
     @property
     def scene(self) -> Any:
@@ -260,14 +271,18 @@ class Record(Series, Mapping[str, Array]):
             return span[name]
         return super()._quotient(name, begin, end)
 
-    status = property(lambda self: self._file.status, doc="finished, running, unreliable, cycle_missed: …, or the cause of an early end.")
-    attributes = property(lambda self: self._file.attributes(), doc="Of the whole file, by name.")
-    channels = property(lambda self: Channels(self.__getitem__, Columns(self._columns)), doc="Arrays by name; channels.info: their units.")
-    info = property(lambda self: {row.name: row for row in self._columns}, doc="Column (unit, description, width) of channels, by name.")
-    rows = property(lambda self: self._file.rows(), doc="Number of rows when the file was opened.")
-    states = property(lambda self: States(self._file), doc="The recorded states: time, unknowns, phases.")
-    transitions = property(lambda self: self._file.transitions(),
-                           doc="Changes of a tip's phase: an array with fields time, pin, tip, phase_from, phase_to.")
+    status = property(lambda self: self.attributes.get("status", ""), doc="finished, running, unreliable, cycle_missed: …, or the cause of an early end.")
+    attributes = property(lambda self: {name: _text(value) for name, value in self._file.attrs.items()}, doc="Of the whole file, by name.")
+    channels = property(lambda self: Channels(self.__getitem__, Columns(self.info.values())), doc="Arrays by name; channels.info: their units.")
+    rows = property(lambda self: len(self._kept["time"]), doc="Number of rows when the file was opened.")
+    states = property(lambda self: States(self._file.get("states", {})), doc="The recorded states: time, unknowns, phases.")
+
+    @property
+    def transitions(self) -> Array:
+        """Changes of a tip's phase: an array with fields time, pin, tip, phase_from, phase_to."""
+        rows = self._file["tables/transitions"][:]
+        rows.dtype.names = [{"from": "phase_from", "to": "phase_to"}.get(name, name) for name in rows.dtype.names]
+        return rows
 
     def plot_orders(self, *channels: str, others: Sequence[Series] = (), si: bool = False, ax: Any = None, **style: Any) -> Any:
         """Draws amplitudes of channels over multiples of the pin passing frequency, as `cvtflow plot --orders` does; over the frequency [Hz]
@@ -323,12 +338,14 @@ class Record(Series, Mapping[str, Array]):
     def read(self, channel: str, first: int = 0, count: int | None = None) -> Array:
         """Rows of a channel, or of an element: [count] or [count, width]."""
         name, element = split(channel)
-        rows = self._file.read(name, first, count)
-        if element is None:
-            return rows
-        if rows.ndim == 1 or element >= rows.shape[1]:
-            raise KeyError(f"{channel}: {name} has {1 if rows.ndim == 1 else rows.shape[1]} elements")
-        return rows[:, element]
+        last = self.rows if count is None else first + count
+        if not 0 <= first <= last <= self.rows:
+            raise ArgumentError(f"rows {first} to {last} of {self.rows}")
+        rows = self._file["channels"][name][first:last].astype(float)
+        width = rows.shape[1] if rows.ndim > 1 else 1
+        if element is not None and (width == 1 or element >= width):
+            raise KeyError(f"{channel}: {name} has {width} elements")
+        return rows[:, element or 0] if rows.ndim > 1 and (width == 1 or element is not None) else rows
 
     def __getitem__(self, name: str) -> Array:
         if name == "time":
@@ -342,12 +359,12 @@ class Record(Series, Mapping[str, Array]):
         yield from self.info
 
     def __len__(self) -> int:
-        return 1 + len(self._columns)
+        return 1 + len(self.info)
 
     def _ipython_key_completions_(self):
         return list(self)
 
     def __repr__(self):
-        return f"<cvtflow.Record {self.path}: {self.status}, {self.rows} rows of {len(self._columns)} channels>"
+        return f"<cvtflow.Record {self.path}: {self.status}, {self.rows} rows of {len(self.info)} channels>"
 
 
