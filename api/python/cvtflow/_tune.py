@@ -315,11 +315,11 @@ def _bases(points, settings, left_out):
 
 
 def search(points: Points, settings: Settings) -> dict[str, Any]:
-    """What `cvtflow tune --json` writes: every choice in the order of its cost with its errors, and the number of the chosen one (None: none)."""
+    """What `cvtflow tune --json` prints: every choice in the order of its cost with its errors, and the number of the chosen one (None: none)."""
     begin = time.monotonic()
     found = {"scene": points.scene.name, "provenance": described("build"), "accuracy": settings.accuracy, "margin": MARGIN,
              "outputs": [name for name, *_ in points.outputs], "points": [], "references": [], "left_out": [], "chosen": None,
-             "budget_used_up_by": None, "choices": [], "unseen": [], "next_digit": "", "wall": 0.0}
+             "budget_used_up_by": None, "choices": [], "unseen": [], "wall": 0.0}
     try:
         for choice, (_, step, work, seconds) in _bases(points, settings, found["left_out"]).items():
             for share in (1.0,) if choice.step else _SHARES:
@@ -344,8 +344,6 @@ def search(points: Points, settings: Settings) -> dict[str, Any]:
         tried = [row for row in found["choices"] if row["tried"] and math.isfinite(max(row["errors"]))]
         for row in tried:
             row["front"] = not any(_beats(other, row) for other in tried)
-        if found["chosen"] is not None:
-            found["next_digit"] = _next_digit(found, references)
     except _BudgetUsedUp as used:
         found["budget_used_up_by"] = str(used)
     found["wall"] = time.monotonic() - begin
@@ -387,27 +385,6 @@ def _judge(points, settings, found, references, row):
     if not errors[worst] <= allowed:
         row["standing"] = (f"{objection} at {row['worst']}" if objection
                            else f"{found['outputs'][worst]} has an error of {100 * errors[worst]:.2g} % at {row['worst']}")
-
-
-def _next_digit(found, references):
-    """What a tenth of the target costs: the cheapest choice tried that is within it, or of the references the one with twice the step."""
-    target, chosen_row = 0.1 * found["accuracy"], found["choices"][found["chosen"]]
-    exact = [row for row in found["choices"] if row["tried"] and max(row["errors"]) * found["margin"] <= target]
-    if exact and exact[0] is chosen_row:
-        return f"nothing: the choice is within {100 * target:g} %, too"
-
-    def times(seconds, choice):
-        factor = seconds / chosen_row["seconds_per_second"]
-        return f"{factor:.2g} times the time: {choice.text()} is within {100 * target:g} %"
-
-    if exact:
-        return times(exact[0]["seconds_per_second"], choice_of(exact[0]))
-    level = described("levels")["rows"][-1]["name"]
-    finest = next((row for row in found["choices"] if row["detail"] == level and row["share"] == 1.0), None)
-    share = 2.0 * min(share for row, share, *_ in references if row)
-    if finest is None or max(off for row, _, off, _ in references if row) * found["margin"] > target:
-        return "not known: no measured choice is that exact"
-    return "at most " + times(finest["seconds_per_second"] / share, Choice(level, finest["method"], share))
 
 
 def why_none(found: dict[str, Any]) -> str:

@@ -1,6 +1,5 @@
 """Pictures of records: curves, orders, losses, wear, the way of a pin, differences of two. Each function returns the Matplotlib figure."""
 
-import json
 import math
 
 import numpy as np
@@ -350,32 +349,3 @@ def differences(records, channels=(), si=False, ax=None):
     found = panels.finished()
     what = f"means over pin periods ({time_text(period)})" if period else "every output"
     return draw(found, f"A: {a.path}, B: {b.path}; {what}", ax)
-
-
-def choices(tuning, ax=None):
-    """Cost of choices of detail, method and step against their largest error; a line connects those that no other beats in both.
-
-    tuning  the file tune_SCENE.json of `cvtflow tune --json`, or what it contains
-    ax      Axes; None: a new figure
-    """
-    if not isinstance(tuning, dict):
-        with open(tuning, encoding="utf-8") as file:
-            tuning = json.load(file)
-    panel = Panel("Cost and error: " + tuning["scene"], "processor time per simulated second [s]", "largest error [%]", scales=("log", "log"))
-    tried = [row for row in tuning["choices"] if row["tried"] and row["errors"] and None not in row["errors"]]
-    tried = [(row, row["seconds_per_second"], max(100.0 * max(row["errors"]), 1e-6)) for row in tried]
-    if not tried:
-        raise ValueError(f"{tuning['scene']}: no choice has an error")
-    for row, seconds, error in tried:
-        share, step = row["share"], row["step"]
-        steps = f"{1e6 * step:.3g} us" if step else "auto" if share == 1.0 else f"auto/{1.0 / share:g}"
-        mark = {"marker": "s", "markersize": 8.0} if row["standing"] == "chosen" else {"marker": "o"}
-        panel.lines.append(Line(f"{row['detail'] or 'own'}, {row['method']}, {steps}", np.array([seconds]), np.array([error]), {"linestyle": "none"} | mark))
-    front = sorted((seconds, error) for row, seconds, error in tried if row["front"])
-    panel.lines.append(Line("", *np.array(front).reshape(-1, 2).T, {"color": "#bbbbbb", "linestyle": "solid", "zorder": 1}))
-    ends = np.array([0.8 * min(row[1] for row in tried), 1.25 * max(row[1] for row in tried)])
-    allowed = np.full(2, 100.0 * tuning["accuracy"] / tuning["margin"])
-    panel.lines.append(Line("allowed", ends, allowed, {"color": "#666666", "linestyle": "dashed"}))
-    points = len(tuning["points"])
-    return draw([panel], f"largest error of {', '.join(tuning['outputs'])} at {points} operating point{'s' * (points != 1)}; a choice that failed at "
-                "one point may not have been tried at the others", ax)

@@ -1,14 +1,12 @@
 """`cvtflow tune`: the cheapest detail, method and step for an accuracy."""
 
-import csv
-import io
 import json
 import math
 import os
 from pathlib import Path
 
 from ._columns import table
-from ._front import FORCE, UsageError, interruptible, matplotlib, require, say, visible
+from ._front import FORCE, UsageError, interruptible, say, visible
 from ._output import Output, beside, inputs_of
 from ._scenes import declare_scene, load
 
@@ -20,7 +18,7 @@ variant whose errors times 2 (4 where there is one point) meet the accuracy at e
 variant is both cheaper and more accurate. Exit status 7: no variant meets the accuracy, or more than one in twenty points of --verify misses
 it; 4: the budget was used up before one did.
 """
-_SHOWN_UNTRIED, _LONGEST = 3, 160
+_SHOWN_UNTRIED, _LONGEST = 3, 320
 
 
 def declare_tuning(parser):
@@ -46,13 +44,10 @@ def declare(parser):
         help='Levels of detail to choose from, separated by commas: LEVEL, or LEVEL KEY=VALUE such as "full detail.plates=lumped" (default: all, '
              "and the scene's)")
     add("--all", action="store_true", help="Measure every choice at every point: the whole table of cost and error")
-    add("--write", metavar="FILE", help="Scene to write, with a picture beside it, and a state if the detail requires one (default: "
-                                        "SCENE.tuned.toml, replaced with a notice)")
+    add("--write", metavar="FILE", help="Scene to write, with a state beside it if the detail requires one (default: SCENE.tuned.toml, replaced "
+                                        "with a notice)")
     add("--force", action="store_true", help=FORCE)
-    add("-o", "--output", metavar="DIR", help="Folder for tables and pictures (default: none; results with --csv, --json or --svg)")
-    for kind, what in (("csv", "tables"), ("json", "all results as JSON, with provenance"),
-                       ("svg", "pictures (default with -o: --csv, --json and --svg)")):
-        add(f"--{kind}", action="store_true", help=f"Write {what}")
+    add("--json", action="store_true", help="Print all results as JSON, with provenance, in place of the table")
     add("-q", "--quiet", action="store_true", help="Print no progress")
 
 
@@ -84,22 +79,6 @@ def _field(name, text):
     return f"  {name:<20}{text}\n"
 
 
-def _cell(row, name):
-    value = row[name]
-    return ["", "0", "1"][1 + value] if isinstance(value, bool) else f"{value:.6g}" if isinstance(value, float) else value
-
-
-def _csv(found):
-    names = ["detail", "method", "share", "step", "seconds_per_second", "work_per_second", "errors", "worst", "front", "standing"]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*names[:3], "step_s", *names[4:6], *(f"error {name}" for name in found["outputs"]), *names[7:]])
-    for row in found["choices"]:
-        errors = [f"{error:.6g}" for error in row["errors"]] or [""] * len(found["outputs"])
-        writer.writerow([*(_cell(row, name) for name in names[:6]), *errors, *(_cell(row, name) for name in names[7:])])
-    return text.getvalue()
-
-
 def _step(row):
     auto = "auto" if row["share"] == 1.0 else f"auto/{1.0 / row['share']:g}"
     return f"{1e6 * row['step']:.4g} us" if row["step"] else auto
@@ -120,14 +99,14 @@ def _text(found):
     text = f"{found['scene']}: accuracy {100 * found['accuracy']:g} %, at {points} operating point{'s' * (points != 1)}\n"
     text += table(headings, shown, [True, True, False, False, *[False] * count, True, True], 2)
     if untried > _SHOWN_UNTRIED:
-        text += f"  … and {untried - _SHOWN_UNTRIED} untried ones (--csv, --json)\n"
+        text += f"  … and {untried - _SHOWN_UNTRIED} untried ones (--json)\n"
     for heading, lines in (("against", map(": ".join, zip(found["points"], found["references"]))), ("left out", found["left_out"])):
         for number, line in enumerate(lines):
-            text += _field(heading * (number == 0), line.split("\n")[0][:_LONGEST * 2])
+            text += _field(heading * (number == 0), line.split("\n")[0][:_LONGEST])
     row = found["choices"][found["chosen"]] if found["chosen"] is not None else None
     text += _field("chosen", f"{_tune.choice_of(row).text()}: {row['seconds_per_second']:.3g} s/s, errors times {found['margin']:g} within the "
                              "target" if row else "none: " + _tune.why_none(found))
-    return text + (_field("one more digit", found["next_digit"]) if row else "") + _field("took", f"{found['wall']:.1f} s")
+    return text + _field("took", f"{found['wall']:.1f} s")
 
 
 def _unseen(points, settings, found):
@@ -144,32 +123,18 @@ def _unseen(points, settings, found):
     return text
 
 
-def _picture(found):
-    """An SVG; None where Python lacks a library or nothing has an error: the search took minutes, and its numbers are there."""
-    try:
-        require("a picture", "numpy", "matplotlib")
-        matplotlib()
-        from .. import _figures, plots
-
-        _figures.in_notebooks = False
-        return _figures.picture(plots.choices(found), "svg")
-    except (ImportError, ValueError) as missing:
-        say(f"no picture: {missing}")
-        return None
-
-
 def _outputs(given, scene):
-    """Permissions for FILE, and a picture and a state beside it."""
+    """Permissions for FILE and a state beside it."""
     from .. import _scene
 
     file = given.write or f"{os.path.basename(given.scene).removesuffix('.toml')}.tuned.toml"
     if not file.endswith(".toml"):
         raise UsageError(f"--write {file}: expected FILE.toml")
     inputs = [*inputs_of([given.scene if _scene.is_path(given.scene) else ""]), scene["start.state"]]
-    made, picture, state = (Output(each, inputs, given.force) for each in (file, beside(file, ".svg"), beside(file, ".h5")))
+    made, state = (Output(each, inputs, given.force) for each in (file, beside(file, ".h5")))
     if made.notice and not given.quiet:
         say(made.notice)
-    return made, picture, state
+    return made, state
 
 
 def _scene_text(found, scene, row, state):
@@ -191,50 +156,35 @@ def act(given):
     from .. import _tune
 
     tell = (lambda text: None) if given.quiet else say
+    show = (lambda text: None) if given.json else (lambda text: print(text, end="", flush=True))
     with interruptible():
         settings, scene = settings_of(given), load(given, quiet=given.quiet)
         files = _outputs(given, scene)
         with _tune.points_of(scene, settings, say=tell) as points:
             found = _tune.search(points, settings)
-            print(_text(found), end="", flush=True)
+            show(_text(found))
             row = found["choices"][found["chosen"]] if found["chosen"] is not None else None
             if row and given.verify:
                 with _tune.points_of(scene, settings, given.verify, tell) as unseen:
-                    print(_unseen(unseen, settings, found), end="", flush=True)
-            kinds = [kind for kind in ("csv", "json", "svg") if getattr(given, kind)] or ["csv", "json", "svg"] * bool(given.output)
-            picture = _picture(found) if row or kinds else None
+                    show(_unseen(unseen, settings, found))
             if row:
-                _write(files, points, found, scene, row, picture)
-        _write_tables(given, kinds, found, picture)
+                show(_write(files, points, found, scene, row))
+        if given.json:
+            print(json.dumps(json.loads(json.dumps(found), parse_constant=lambda _: None), indent=1))
     if not row:
         return 4 if found["budget_used_up_by"] else 7
     judged = [max(each["errors"]) for each in found["unseen"] if each["errors"]]
     return 7 if 20 * sum(not error <= settings.accuracy for error in judged) > len(judged) else 0
 
 
-def _write(files, points, found, scene, row, picture):
-    """Writes the tuned scene, and beside it a picture, and a state where it begins with one of its own."""
+def _write(files, points, found, scene, row):
+    """Writes the tuned scene, and beside it a state where it begins with one of its own. Returns a line with their names."""
     from .. import _tune
 
-    scene_file, picture_file, state_file = files
+    scene_file, state_file = files
     state = points.state(_tune.choice_of(row))
     if own := bool(state) and state != scene["start.state"]:
         state_file.write(Path(state).read_bytes())
         state = os.path.abspath(state_file.path)
     scene_file.write(_scene_text(found, scene, row, state).encode())
-    if picture:
-        picture_file.write(picture)
-    written = ", ".join([scene_file.path] + [picture_file.path] * bool(picture) + [state_file.path] * own)
-    print(_field("written", visible(written)), end="")
-
-
-def _write_tables(given, kinds, found, picture):
-    folder = given.output or "results"
-    whole, written = json.loads(json.dumps(found), parse_constant=lambda _: None), []
-    for kind, data in (("csv", _csv(found).encode()), ("json", (json.dumps(whole, indent=1) + "\n").encode()), ("svg", picture)):
-        if kind in kinds and data:
-            os.makedirs(folder, exist_ok=True)
-            path = os.path.join(folder, f"tune_{found['scene']}.{kind}")
-            Output(path, force=given.force, named=bool(given.output)).write(data)
-            written.append(path)
-    print(_field("written", visible(", ".join(written))) if written else "", end="")
+    return _field("written", visible(", ".join([scene_file.path] + [state_file.path] * own)))
