@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "engine/base/text.hpp"
 #include "engine/thread/worker_threads.hpp"
+#include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/units.hpp"
 #include "tasks/schedule/schedule.hpp"
 
@@ -257,6 +259,7 @@ void HostSimulation::hold(const model::HeldInputs& held) {
 
 std::vector<std::string> HostSimulation::notices() const {
     std::vector<std::string> lines = start_differences_;
+    std::ranges::move(tasks::idle_keys(scene()), std::back_inserter(lines));
     const double ratio = simulation_.balance_error_ratio();
     if (!(ratio <= 1.0)) lines.push_back(tasks::unreliable_text(ratio, scene().run.step, simulation_.step()));
     const engine::ThreadShortage threads = engine::thread_shortage();

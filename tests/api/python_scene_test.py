@@ -129,6 +129,10 @@ class Scenes(unittest.TestCase):
         scene = tiny("run.step=auto", "load.torque=9 N*m")
         self.assertEqual((scene["run.step"], scene["torque"], scene["chain__pins"], scene["control.enabled"]), ("auto", 9.0, 24, False))
 
+    def test_a_key_without_effect_is_noticed(self):
+        self.assertEqual(cvtflow.Simulation(tiny()).notices(), [])
+        self.assertEqual(cvtflow.Simulation(tiny("heat.ambient=300")).notices(), ["heat.ambient: no effect, since heat.enabled is false"])
+
 
 class Units(unittest.TestCase):
     def test_quantities_have_units_everywhere(self):

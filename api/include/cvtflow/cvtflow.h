@@ -221,8 +221,8 @@ CVTFLOW_API cvtflow_code cvtflow_channel_values(cvtflow_simulation* simulation, 
 
 CVTFLOW_API cvtflow_code cvtflow_counters_get(const cvtflow_simulation* simulation, cvtflow_counters* counters);
 
-/* Calls function(line, user) for every notice: differences to the state file's scene, an energy balance that does not close, threads that
- * were unavailable. */
+/* Calls function(line, user) for every notice: differences to the state file's scene, keys without effect, an energy balance that does
+ * not close, threads that were unavailable. */
 CVTFLOW_API cvtflow_code cvtflow_notices(const cvtflow_simulation* simulation, cvtflow_log_function function, void* user,
                                          cvtflow_message* message);
 /* From now on function(line, user) is called after every cvtflow_advance_to and cvtflow_step on the calling thread with every notice that is

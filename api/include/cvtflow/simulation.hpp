@@ -230,8 +230,8 @@ public:
         cvtflow_energy_get(get(), &now);
         return {now.residual, now.dissipated, now.error_ratio, now.reliable != 0};
     }
-    /// Warnings, one line each: differences between the scene and the one that its state file was settled with; an energy
-    /// balance that does not close; fewer threads than requested (simulations of this process then run on fewer, down to the
+    /// Warnings, one line each: differences between the scene and the one that its state file was settled with; keys
+    /// without effect; an energy balance that does not close; fewer threads than requested (simulations of this process then run on fewer, down to the
     /// caller alone, with the same bits).
     [[nodiscard]] std::vector<std::string> notices() const {
         std::vector<std::string> lines;
