@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
@@ -15,7 +16,7 @@ from ._errors import ArgumentError, Error
 from ._library import described, encoded, in_si, plain
 from ._scene import Scene, opened
 from ._simulation import Simulation, Threads
-from ._tune import Choice, Settings, chosen
+from ._tune import Settings
 
 
 class Tuning(NamedTuple):
@@ -26,9 +27,6 @@ class Tuning(NamedTuple):
     choice: str
     error: float
     kept: bool
-
-    def __repr__(self) -> str:
-        return f"<cvtflow.Tuning scene={self.scene!r}, choice={self.choice!r}, error={self.error!r}, kept={self.kept!r}>"
 
 
 def usual_folder() -> str:
@@ -45,35 +43,50 @@ def key_of(scene: Scene, settings: Settings) -> str:
     return hashlib.sha256("\n".join(parts).encode() + (Path(state).read_bytes() if state else b"")).hexdigest()[:32]
 
 
-def tuned(scene: Scene, settings: Settings, folder: str, say: Callable[[str], Any] = lambda text: None) -> tuple[Choice, float, float, Any, Any]:
-    """(choice, step [s], largest error, file of its start state or None: the scene's, wall time of the search [s] or None: it was kept) for a
-    scene: as kept in the folder, else measured and kept there. Raises AccuracyError."""
+def tuned(scene: Scene, settings: Settings, folder: str, say: Callable[[str], Any] = lambda text: None) -> tuple[Tuning, float]:
+    """The Tuning of a scene as kept in the folder, else measured and kept there; wall time of the search [s]. Raises AccuracyError."""
     place = os.path.join(folder, key_of(scene, settings))
     try:
-        with open(os.open(place + ".json", os.O_RDONLY | os.O_NONBLOCK), encoding="utf-8") as file:
-            kept = json.load(file)
-        choice, state = Choice(*kept["choice"]), place + ".h5" if kept["state"] else None
-        Simulation(chosen(scene, choice, kept["step"], state), Threads.caller())
-        return choice, kept["step"], kept["error"], state, None
-    except (OSError, ValueError, KeyError, TypeError, Error):
+        known = read_kept(place + ".json")
+        found = Tuning(Scene.parse(known["scene"], scene.name + ".toml"), known["choice"], known["error"], True)
+        Simulation(found.scene, Threads.caller())
+        return found, 0.0
+    except (ValueError, KeyError, TypeError, Error):
         pass  # none, or a damaged one
     with _tune.points_of(scene, settings, say=say) as points:
-        row = _tune.taken(found := _tune.search(points, settings))
-        choice, error = _tune.choice_of(row), max(row["errors"])
-        state = points.state(choice)
-        own = state == scene["start.state"]
+        found, wall = settled_on(points, settings, scene, place + ".h5")
+    with contextlib.suppress(OSError):  # the next time it is measured again
+        replace(place + ".json", json.dumps({"scene": found.scene.text, "choice": found.choice, "error": found.error}).encode())
+    return found, wall
+
+
+def settled_on(points: _tune.Points, settings: Settings, scene: Scene, state_file: str) -> tuple[Tuning, float]:
+    """The Tuning that a search finds, and its wall time [s]. A state with which the choice begins goes to a file, or where that cannot be
+    written, the scene settles by itself. Raises AccuracyError."""
+    row = _tune.taken(found := _tune.search(points, settings))
+    choice = _tune.choice_of(row)
+    state = points.state(choice)
+    if state and state != scene["start.state"]:
         try:
-            os.makedirs(folder, exist_ok=True)
-            if not own:
-                replace(place + ".h5", Path(state).read_bytes())
-            replace(place + ".json", json.dumps({"choice": choice, "step": row["step"], "error": error, "state": not own}).encode())
-        except OSError:  # the next time it is measured again
-            return choice, row["step"], error, None if own else "", found["wall"]
-        return choice, row["step"], error, None if own else place + ".h5", found["wall"]
+            replace(state_file, Path(state).read_bytes())
+            state = os.path.abspath(state_file)
+        except OSError:
+            state = ""
+    return Tuning(_tune.chosen(scene, choice, row["step"], state), choice.text(), max(row["errors"]), False), found["wall"]
+
+
+def read_kept(path: str) -> dict[str, Any]:
+    """What a JSON file contains; {}: it is absent or damaged."""
+    try:
+        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), encoding="utf-8") as file:  # of a pipe nothing is waited for
+            return json.load(file)
+    except (OSError, ValueError):
+        return {}
 
 
 def replace(path: str, data: bytes) -> None:
     """Writes a file, which takes its name when it is complete."""
+    os.makedirs(os.path.dirname(path), exist_ok=True)
     with tempfile.NamedTemporaryFile(dir=os.path.dirname(path), delete=False) as file:
         file.write(data)
     os.replace(file.name, path)
@@ -88,5 +101,4 @@ def tune(scene: Scene | str | os.PathLike[str], accuracy: float | str = 0.01, ou
     if not 0.0 < target <= 0.5:
         raise ArgumentError(f"accuracy: {target:g} is outside (0, 0.5]")
     place = os.fsdecode(encoded(folder, (str, os.PathLike))) or usual_folder()
-    choice, step, error, state, wall = tuned(scene, Settings(target, tuple(outputs), budget=longest), place)
-    return Tuning(chosen(scene, choice, step, state), choice.text(), error, wall is None)
+    return tuned(scene, Settings(target, tuple(outputs), budget=longest), place)[0]

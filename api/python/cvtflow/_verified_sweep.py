@@ -6,7 +6,6 @@ DIR/tuned.toml and tuned.scene.toml are the sweep at the chosen level; DIR/accur
 import json
 import os
 import random
-from pathlib import Path
 
 from . import _rows, _tune, _tuning
 from ._errors import StateError
@@ -54,43 +53,26 @@ def tune(path, folder, threads=0, say=lambda text: None):
     settings = _tune.Settings(accuracy=in_si(target, "target", "1"))
     place = os.path.join(folder, "accuracy.json")
     key = _tuning.key_of(scene, settings)
-    known, found = _kept(place), None
+    known, origin = _tuning.read_kept(place), "from the cache"
     if (known.get("key"), known.get("sweep")) != (key, sweep):
         if os.path.exists(os.path.join(folder, "sweep.json")):
             raise StateError(f"{folder}: results of another sweep; use another folder (-o)")
         with _points(scene, sweep, "corners", say, threads) as points:
-            row = _tune.taken(found := _tune.search(points, settings))
-            choice = _tune.choice_of(row)
-            state = points.state(choice)
-            os.makedirs(folder, exist_ok=True)
-            if state and state != scene["start.state"]:
-                _tuning.replace(os.path.join(folder, "tuned.h5"), Path(state).read_bytes())
-                state = os.path.abspath(os.path.join(folder, "tuned.h5"))
-        tuned = _tune.chosen(scene, choice, row["step"], state)
-        known = {"key": key, "name": name, "scene": scene.text, "sweep": sweep, "target": settings.accuracy, "choice": choice.text(),
-                 "at_corners": max(row["errors"]), "scalars": sweep["outputs"]["scalars"], "errors": {}}
-        _tuning.replace(os.path.join(folder, "tuned.scene.toml"), tuned.text.encode())
+            found, wall = _tuning.settled_on(points, settings, scene, os.path.join(folder, "tuned.h5"))
+        known = {"key": key, "name": name, "scene": scene.text, "sweep": sweep, "target": settings.accuracy, "choice": found.choice,
+                 "at_corners": found.error, "scalars": sweep["outputs"]["scalars"], "errors": {}}
         text = _tune.file_text({section: values for section, values in sweep.items() if section != "accuracy"}, scene="tuned.scene.toml", name=name)
-        _tuning.replace(os.path.join(folder, "tuned.toml"), text.encode())
-        _tuning.replace(place, json.dumps(known).encode())
-    origin = f", found in {found['wall']:.0f} s" if found else ", from the cache"
-    say(f"{name}: {known['choice']} for {100 * settings.accuracy:g} % (largest error at the corners: {100 * known['at_corners']:.2g} %){origin}")
-
-
-def _kept(place):
-    """What DIR/accuracy.json has; {}: it is absent or damaged."""
-    try:
-        with open(os.open(place, os.O_RDONLY | os.O_NONBLOCK), encoding="utf-8") as file:
-            return json.load(file)
-    except (OSError, ValueError):
-        return {}
+        for file, data in (("tuned.scene.toml", found.scene.text), ("tuned.toml", text), ("accuracy.json", json.dumps(known))):
+            _tuning.replace(os.path.join(folder, file), data.encode())
+        origin = f"found in {wall:.0f} s"
+    say(f"{name}: {known['choice']} for {100 * settings.accuracy:g} % (largest error at the corners: {100 * known['at_corners']:.2g} %), {origin}")
 
 
 def verify(folder, threads=0, say=lambda text: None):
     """Runs cases of a finished sweep again at reference quality, and adds their errors to DIR/accuracy.json. Returns a text and whether at most
     one in twenty misses the target."""
     place = os.path.join(folder, "accuracy.json")
-    known, rows = _kept(place), _rows.read(folder)
+    known, rows = _tuning.read_kept(place), _rows.read(folder)
     scene, sweep = Scene.parse(known["scene"]), known["sweep"]
     accuracy = {"verify": 10, "seed": 0} | sweep["accuracy"]
     cases = sorted(random.Random(accuracy["seed"]).sample(range(rows.size), min(rows.size, accuracy["verify"])))

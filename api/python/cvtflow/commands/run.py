@@ -1,7 +1,7 @@
 """`cvtflow run --accuracy`: tunes, or takes a kept choice, and becomes the program's `run` with it. Other options are the program's."""
 
 from ._front import UsageError, become_program, interruptible, say
-from ._scenes import declare_scene, load
+from ._scenes import declare_scene, load, read
 from .tune import declare_tuning, settings_of
 
 DESCRIPTION = "Simulate a scene and record it"
@@ -30,17 +30,15 @@ def act(given):
             raise UsageError(f"--accuracy excludes --{option}, which it chooses")
     with interruptible():
         settings, scene = settings_of(given), load(given, quiet=given.quiet)
-        choice, step, error, state, wall = _tuning.tuned(scene, settings, given.cache or _tuning.usual_folder(),
-                                                           (lambda text: None) if given.quiet else say)
+        found, wall = _tuning.tuned(scene, settings, given.cache or _tuning.usual_folder(), (lambda text: None) if given.quiet else say)
     if not given.quiet:
-        say(f"{scene.name}: {choice.text()} for {given.accuracy} (largest error measured: {100 * error:.2g} %), "
-            + ("from the cache" if wall is None else f"found in {wall:.1f} s"))
-    level, *changes = choice.detail.split() or [""]
-    settings = [*given.settings, *changes, "run.step_control=fixed", *([] if state is None else [f"start.state={state}"])]
-    words = ["run", given.scene, "--method", choice.method, "--step", f"{step!r} s" if step else "auto", *(["--detail", level] if level else [])]
-    words += [word for setting in settings for word in ("--set", setting)]
+        say(f"{scene.name}: {found.choice} for {given.accuracy} (largest error measured: {100 * found.error:.2g} %), "
+            + ("from the cache" if found.kept else f"found in {wall:.1f} s"))
+    words, stated = ["run", given.scene], read(given.scene)
+    for key in found.scene:
+        if (value := found.scene.value(key)) != stated.value(key):
+            words += ["--set", f"{key}={value}"]
     for option in _PASSED:
         if (value := getattr(given, option.strip("-").replace("-", "_"))) is not None:
             words += [option, value]
-    words += ["--force"] * given.force + ["-q"] * given.quiet + ["--settle"] * (given.settle and state is None)
-    become_program(words)
+    become_program(words + ["--force"] * given.force + ["-q"] * given.quiet)
