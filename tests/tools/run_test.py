@@ -306,7 +306,7 @@ class Tune(Program):
         text = self.out(f"tune {self.TINY} {self.BRIEF} -q")
         self.has(text, "tiny: accuracy 20 %, at 1 operating point\n", "\n  written             tiny.tuned.toml")
         self.matches(text, "\n  chosen  .* errors times 4 within")
-        self.has(read("tiny.tuned.toml"), "# tiny for an accuracy of 20 %: ", "#   start: full, leapfrog-sweep at ")
+        self.has(read("tiny.tuned.toml"), "# tiny: accuracy 20 %, at 1 operating point\n", "#   against             start: full, leapfrog-sweep at ")
         found = json.loads(self.out(f"tune {self.TINY} {self.BRIEF} --verify 1 -q --json --force"))
         chosen = found["choices"][found["chosen"]]
         self.assertEqual((chosen["standing"], len(found["unseen"])), ("chosen", 1))

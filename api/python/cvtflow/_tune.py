@@ -156,7 +156,7 @@ class Points:
         """(outputs, objection, notes) of every point; an objection states why the outputs are invalid."""
         rows = _rows.read(self._swept(chosen(self.scene, choice, step, self.state(choice)), self._sweep, **self._head))
         cells = rows.cells
-        keys = [column for column in rows.columns() if column.key]
+        keys = [column for column in rows.columns if column.key]
         self.names = self.names or [", ".join(_named(key.key, cells[key.name][row]) for key in keys) for row in range(rows.size)]
         scalars = scalars_in(rows, len(self._sweep["outputs"]["scalars"]))
         made = []
@@ -205,7 +205,7 @@ def _named(key, value):
 
 def scalars_in(rows: Any, count: int) -> list[str]:
     """Names of the columns of a sweep's scalars."""
-    names = [column.name for column in rows.columns() if not column.name.startswith("error_of_")]
+    names = [column.name for column in rows.columns if not column.name.startswith("error_of_")]
     return names[names.index("efficiency") - count:names.index("efficiency")]
 
 
@@ -388,20 +388,18 @@ def _judge(points, settings, found, references, row):
 
 
 def why_none(found: dict[str, Any]) -> str:
-    """Reason why search() has chosen nothing."""
-    tried, used = [row for row in found["choices"] if row["tried"]], found["budget_used_up_by"]
-    if used:
+    """Reason why search() has chosen nothing, with the nearest choice."""
+    tried = [row for row in found["choices"] if row["tried"]]
+    if used := found["budget_used_up_by"]:
         none = f"none of the {len(tried)} that were tried has errors times {found['margin']:g} within the target; " if tried else "nothing was tried: "
         return f"{none}the budget ended during: {used}"
-    return f"no choice has errors times {found['margin']:g} within the target"
+    nearest = min(tried, key=lambda row: max(row["errors"]))
+    return (f"no tried choice is within {100 * found['accuracy']:g} % (with a margin of {found['margin']:g}); "
+            f"nearest: {choice_of(nearest).text()}: {nearest['standing']}")
 
 
 def taken(found: dict[str, Any]) -> dict[str, Any]:
-    """The row of the chosen one. Raises AccuracyError that names the nearest."""
-    if found["chosen"] is not None:
-        return found["choices"][found["chosen"]]
-    if found["budget_used_up_by"]:
-        raise AccuracyError(f"{found['scene']}: {why_none(found)}", early=True)
-    nearest = min((row for row in found["choices"] if row["tried"]), key=lambda row: max(row["errors"]))
-    raise AccuracyError(f"{found['scene']}: no tried choice is within {100 * found['accuracy']:g} % (with a margin of {found['margin']:g}); "
-                        f"nearest: {choice_of(nearest).text()}: {nearest['standing']}")
+    """The row of the chosen one. Raises AccuracyError."""
+    if found["chosen"] is None:
+        raise AccuracyError(f"{found['scene']}: {why_none(found)}", early=bool(found["budget_used_up_by"]))
+    return found["choices"][found["chosen"]]

@@ -137,21 +137,6 @@ def _outputs(given, scene):
     return made, state
 
 
-def _scene_text(found, scene, row, state):
-    """The chosen scene as a file with every key; what was measured and how, in comments."""
-    from .. import _tune
-
-    choice, build = _tune.choice_of(row), found["provenance"]
-    lines = [f"{found['scene']} for an accuracy of {100 * found['accuracy']:g} %: {choice.text()}.",
-             f"Made by cvtflow {build['version']} ({build['commit']}).", "",
-             f"Largest errors at the operating points below; {found['margin']:g} times them are within the target:"]
-    lines += [f"  {name:<20} {100 * error:.2g} %" for name, error in zip(found["outputs"], row["errors"])]
-    lines += [f"{row['seconds_per_second']:.3g} s of processor time per simulated second. Measured against:"]
-    lines += [f"  {name}: {text}" for name, text in zip(found["points"], found["references"])]
-    lines += ["  not checked: " + line.split("\n")[0] for line in found["left_out"]]
-    return "".join(f"# {line}".rstrip() + "\n" for line in lines) + "\n" + _tune.chosen(scene, choice, row["step"], state).text
-
-
 def act(given):
     from .. import _tune
 
@@ -162,13 +147,14 @@ def act(given):
         files = _outputs(given, scene)
         with _tune.points_of(scene, settings, say=tell) as points:
             found = _tune.search(points, settings)
-            show(_text(found))
+            show(text := _text(found))
             row = found["choices"][found["chosen"]] if found["chosen"] is not None else None
             if row and given.verify:
                 with _tune.points_of(scene, settings, given.verify, tell) as unseen:
-                    show(_unseen(unseen, settings, found))
+                    show(more := _unseen(unseen, settings, found))
+                text += more
             if row:
-                show(_write(files, points, found, scene, row))
+                show(_write(files, points, found, scene, row, text))
         if given.json:
             print(json.dumps(json.loads(json.dumps(found), parse_constant=lambda _: None), indent=1))
     if not row:
@@ -177,14 +163,16 @@ def act(given):
     return 7 if 20 * sum(not error <= settings.accuracy for error in judged) > len(judged) else 0
 
 
-def _write(files, points, found, scene, row):
-    """Writes the tuned scene, and beside it a state where it begins with one of its own. Returns a line with their names."""
+def _write(files, points, found, scene, row, text):
+    """Writes the tuned scene with every key, below what was measured as comments, and beside it a state where it begins with one of its own.
+    Returns a line with their names."""
     from .. import _tune
 
-    scene_file, state_file = files
-    state = points.state(_tune.choice_of(row))
+    (scene_file, state_file), choice, build = files, _tune.choice_of(row), found["provenance"]
+    state = points.state(choice)
     if own := bool(state) and state != scene["start.state"]:
         state_file.write(Path(state).read_bytes())
         state = os.path.abspath(state_file.path)
-    scene_file.write(_scene_text(found, scene, row, state).encode())
+    lines = [*text.splitlines(), f"Made by cvtflow {build['version']} ({build['commit']})."]
+    scene_file.write(("".join(f"# {line}\n" for line in lines) + "\n" + _tune.chosen(scene, choice, row["step"], state).text).encode())
     return _field("written", visible(", ".join([scene_file.path] + [state_file.path] * own)))
