@@ -63,19 +63,11 @@ class Numbers(unittest.TestCase):
 class Table:
     """Of cases, as the program sends one."""
 
-    limits, path, level = None, "cases", ""
+    path, facts = "cases", {"sweep": "some"}
 
     def __init__(self, **columns):
-        self._columns = {name: np.array(values) for name, values in columns.items()}
-
-    def attributes(self):
-        return {"sweep": "some"}
-
-    def columns(self):
-        return [type("Column", (), {"name": name, "unit": "N*m" if name == "load_torque" else "1", "description": ""}) for name in self._columns]
-
-    def read(self, name):
-        return self._columns[name]
+        self.cells = {name: np.array(values) for name, values in columns.items()}
+        self.columns = [type("Column", (), {"name": name, "unit": "N*m" if name == "load_torque" else "1", "description": ""}) for name in columns]
 
 
 def grid(**more):
@@ -91,15 +83,15 @@ class Maps(unittest.TestCase):
 
     def test_a_speed_ratio_is_placed_logarithmically(self):
         for column, scale in (("start_ratio", "log"), ("ratio_mean", "log"), ("thrust_ratio_mean", "linear")):
-            table = grid(**{column: grid().read("start_ratio")})
+            table = grid(**{column: grid().cells["start_ratio"]})
             axes = self.axes(table, column)
             self.assertEqual((axes.get_xscale(), axes.get_yscale()), ("linear", scale), column)
-        self.assertEqual(self.axes(grid(ratio_mean=grid().read("start_ratio") - 0.5), "ratio_mean").get_yscale(), "linear")  # 0 has no logarithm
+        self.assertEqual(self.axes(grid(ratio_mean=grid().cells["start_ratio"] - 0.5), "ratio_mean").get_yscale(), "linear")  # 0 has no logarithm
 
     def test_contours_lie_on_a_plane_also_over_results_that_form_no_grid(self):
         for shift in (0.0, 0.003):
             y = 1.0 + np.arange(9) // 3 + shift * np.arange(9)
-            load = grid().read("load_torque")
+            load = grid().cells["load_torque"]
             axes = self.axes(grid(thrust_ratio_mean=y, slip_mean=load + 5.0 * y), "thrust_ratio_mean")
             lines = [path for part in axes.collections if part.get_linewidth()[0] == 0.9 for path in part.get_paths()]
             self.assertGreater(len(lines), 3)
@@ -110,7 +102,7 @@ class Maps(unittest.TestCase):
     def test_failed_and_unsteady_cases_are_hatched_and_counted(self):
         status = ["ok"] * 9
         status[4], status[8] = "deep_tip", "not_steady"
-        slip = grid().read("slip_mean")
+        slip = grid().cells["slip_mean"]
         slip[4] = np.nan
         axes = self.axes(grid(status=status, slip_mean=slip))
         self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["failed (1)", "not steady (1)"])
@@ -120,7 +112,7 @@ class Maps(unittest.TestCase):
 
     def test_the_torque_limit_is_a_line_that_sets_no_ends(self):
         for sign in (1.0, -1.0):
-            table = grid(load_torque=sign * grid().read("load_torque"))
+            table = grid(load_torque=sign * grid().cells["load_torque"])
             with mock.patch.object(maps, "load_limits", lambda _: sign * np.repeat([15.0, 22.0, 50.0], 3)):
                 axes = self.axes(table)
             line = next(line for line in axes.lines if line.get_label() == "torque limit")

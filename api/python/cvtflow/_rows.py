@@ -21,22 +21,9 @@ class Rows:
     cells: by name of column, numbers where all are (nan: none), else texts."""
 
     def __init__(self, path, name, facts, columns, lines):
-        self.path, self.name, self.facts, self._columns = path, name, facts, columns
+        self.path, self.name, self.facts, self.columns = path, name, facts, columns
         self.size = len(lines)
         self.cells = {column.name: _values(column, [line[place] for line in lines]) for place, column in enumerate(columns)}
-
-    def columns(self):
-        return self._columns
-
-    def give_units(self, units):
-        """Gives columns without a unit that of their name."""
-        self._columns = [column if column.unit else column._replace(unit=units.get(column.name, "")) for column in self._columns]
-
-    def attributes(self):
-        return self.facts
-
-    def read(self, name):
-        return self.cells[name]
 
 
 def _values(column, texts):
@@ -81,10 +68,10 @@ def _add_errors(rows, folder):
     except (OSError, ValueError):
         return
     rows.facts.update({f"accuracy_{name}": known[name] for name in ("target", "choice", "at_corners")})
-    place = [column.name for column in rows._columns].index("efficiency")
-    for number, column in enumerate(rows._columns[place - len(known["scalars"]):place]):
+    place = [column.name for column in rows.columns].index("efficiency")
+    for number, column in enumerate(rows.columns[place - len(known["scalars"]):place]):
         name = "error_of_" + column.name
-        rows._columns.insert(place + number, Column(name, "1", "relative error against the reference run; nan: not verified", "", ("1", 1.0)))
+        rows.columns.insert(place + number, Column(name, "1", "relative error against the reference run; nan: not verified", "", ("1", 1.0)))
         rows.cells[name] = [known["errors"].get(f"{case:.0f}", [float("nan")] * (number + 1))[number] for case in rows.cells["case"]]
 
 

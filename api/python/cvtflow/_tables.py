@@ -32,12 +32,11 @@ class Results(dict[str, Any]):
         """table: a sweep's folder, its results.csv or another CSV of it, also of a running sweep. Raises OSError, ValueError."""
         if isinstance(table, (str, os.PathLike)):
             table = _rows.read(table)
-        if not hasattr(table, "columns"):
+        if not hasattr(table, "cells"):
             raise TypeError(f"Results() takes a sweep's folder, not {type(table).__name__}")
-        super().__init__((column.name, _column(column.name, table.read(column.name))) for column in table.columns())
-        self.info = {column.name: column for column in table.columns()}
-        self.attributes = attributes = table.attributes()
-        self.path, self.name = getattr(table, "path", "the table"), str(attributes.get("sweep", ""))
+        super().__init__((column.name, _column(column.name, table.cells[column.name])) for column in table.columns)
+        self.info = {column.name: column for column in table.columns}
+        self.path, self.attributes, self.name = table.path, table.facts, str(table.facts.get("sweep", ""))
 
     def frame(self) -> Any:
         """A pandas.DataFrame with the case as index; units by column are in frame.attrs["units"]. Raises ImportError without pandas."""

@@ -10,10 +10,10 @@ from ._front import UsageError
 def column_of(rows, word, option=""):
     """The Column that a word means: a name, a key with dots, or a scalar ("slip mean"). Raises UsageError."""
     plain = re.sub(r"[^A-Za-z0-9]+", "_", word).strip("_")
-    for column in rows.columns():
+    for column in rows.columns:
         if column.name == plain:
             return column
-    near = difflib.get_close_matches(plain, [column.name for column in rows.columns()], 1)
+    near = difflib.get_close_matches(plain, [column.name for column in rows.columns], 1)
     raise UsageError(f"{option or word}: the table {rows.path} has no such column" + (f' (did you mean "{near[0]}"?)' if near else ""))
 
 

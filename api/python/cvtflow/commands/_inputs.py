@@ -34,7 +34,7 @@ def results(path, conditions=()):
     rows = _rows.read(path)
     if not rows.facts:
         units = {name.replace(".", "_"): row["unit"] for name, row in _known.rows_of("keys").items()}
-        rows.give_units(units)
+        rows.columns = [each if each.unit else each._replace(unit=units.get(each.name, "")) for each in rows.columns]
     found = Results(rows)
     found.path = os.fsencode(path).decode("utf-8", "replace")
     for condition in conditions:

@@ -42,7 +42,7 @@ def act(arguments):
     if not pairs:
         raise UsageError(f"{a.path} and {b.path}: no case has the same {', '.join(keys)}")
     compared = [column_of(a, name) for name in arguments.column] or [
-        column for column in a.columns() if column.name not in keys and column.name not in _rows.UNHASHED and not column.key and
+        column for column in a.columns if column.name not in keys and column.name not in _rows.UNHASHED and not column.key and
         not (arguments.tolerance > 0.0 and column.name == "hash")]
     lacking = [column.name for column in compared if column.name not in b.cells]
     if arguments.column:
@@ -63,10 +63,10 @@ def act(arguments):
 
 def _common_keys(a, b):
     """Columns of keys that both have; of a CSV those that the other one knows as such."""
-    known = {column.name for rows in (a, b) for column in rows.columns() if column.key}
+    known = {column.name for rows in (a, b) for column in rows.columns if column.key}
     if not known:  # two CSVs: all columns between the status and the first that is a result
         known = _leading_keys(a) & _leading_keys(b)
-    return [column.name for column in a.columns() if column.name in known and column.name in b.cells]
+    return [column.name for column in a.columns if column.name in known and column.name in b.cells]
 
 
 def _leading_keys(rows):
@@ -74,7 +74,7 @@ def _leading_keys(rows):
     from .. import scene_keys
 
     names = {key.name.replace(".", "_") for key in scene_keys()}
-    return {column.name for column in rows.columns() if column.name in names and column.name != "start_state"}
+    return {column.name for column in rows.columns if column.name in names and column.name != "start_state"}
 
 
 def _rows_by_keys(rows, keys):

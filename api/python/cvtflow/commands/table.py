@@ -51,7 +51,7 @@ def act(arguments):
     rows = _rows.read(arguments.dir)
     kept = range(rows.size)
     if arguments.status:
-        known = next((column.description.split(", ") for column in rows.columns() if column.name == "status" and column.description), None)
+        known = next((column.description.split(", ") for column in rows.columns if column.name == "status" and column.description), None)
         if known and arguments.status not in known:
             raise UsageError(f"--status {arguments.status}: not one of {', '.join(known)}")
         kept = [row for row in kept if rows.cells["status"][row] == arguments.status]
@@ -64,14 +64,14 @@ def _cell(text):
 
 
 def _csv(rows, kept, units):
-    columns = rows.columns()
+    columns = rows.columns
     lines = [[f"{column.name} [{column.unit}]" if units and column.unit else column.name for column in columns]]
     lines += [[exact(rows.cells[column.name][row]) for column in columns] for row in kept]
     return "".join(",".join(map(_cell, line)) + "\n" for line in lines)
 
 
 def _text(rows, kept, names, si):
-    columns = [column_of(rows, name, f"--column {name}") for name in names] or [each for each in rows.columns() if each.name not in QUIET]
+    columns = [column_of(rows, name, f"--column {name}") for name in names] or [each for each in rows.columns if each.name not in QUIET]
     shown = [heading_of(column, si) for column in columns]
     lines = [[visible(short(rows.cells[column.name][row], factor)) for column, (_, factor) in zip(columns, shown)] for row in kept]
     left = [column.name in _rows.TEXTS or not isinstance(next(iter(rows.cells[column.name]), 0.0), float) for column in columns]
