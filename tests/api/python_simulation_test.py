@@ -8,10 +8,11 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
-from python_fixture import BRIEF, SOURCE, main, program, tiny
+from python_fixture import BRIEF, SOURCE, main, press_after, program, tiny
 
 import numpy as np
 
@@ -129,6 +130,17 @@ class Running(unittest.TestCase):
         self.assertLess(stopped, 10.0)
         simulation.advance_to(stopped + 1e-6)
         self.assertEqual(simulation.hash(), hash_at(stopped + 1e-6))
+
+    def test_ctrl_c_is_not_lost_where_a_simulation_ends(self):
+        first, dropped = cvtflow.Simulation(tiny()), []
+        with unittest.mock.patch("sys.unraisablehook", dropped.append):
+            for _ in range(10):
+                copies = []
+                press_after(lambda: len(copies) > 5)
+                with self.assertRaises(KeyboardInterrupt):
+                    while len(copies) < 3000:
+                        copies.append(first.copy().time)
+        self.assertEqual(dropped, [])
 
     def test_callbacks_may_throw_and_set_inputs(self):
         simulation, seen = cvtflow.Simulation(tiny()), []

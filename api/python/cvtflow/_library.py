@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import ctypes
 import functools
 import inspect
@@ -9,6 +10,7 @@ import json
 import os
 import sys
 import threading
+import weakref
 from collections.abc import Callable
 from ctypes import byref, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p
 from pathlib import Path
@@ -187,6 +189,33 @@ def made(function: Any, *arguments: Any) -> int:
     handle = c_void_p()
     check(function(*arguments, byref(handle), _local.address))
     return handle.value or 0
+
+
+class _Ending(weakref.ref):
+    """Calls a function of the library with a handle when its object ends."""
+
+    __slots__ = ("_as_parameter_",)
+
+
+_endings: collections.deque[_Ending] = collections.deque()  # also some whose object has ended
+_ending = threading.RLock()  # a signal's handler may make another one
+
+
+class Owned:
+    """A handle of the library, which `release` ends with the last Python object that refers to this. ctypes calls it: in a __del__ Python
+    would handle signals, and drop what Ctrl-C raises there."""
+
+    def __init__(self, handle: int, release: Any) -> None:
+        self.handle = handle
+        ending = _Ending(self, release)
+        ending._as_parameter_ = c_void_p(handle)
+        with _ending:
+            _endings.append(ending)
+            for _ in range(2):
+                if _endings[0]() is None:
+                    _endings.popleft()
+                else:
+                    _endings.rotate(-1)
 
 
 def text_of(function: Any, *arguments: Any) -> str:

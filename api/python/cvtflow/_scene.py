@@ -13,7 +13,7 @@ from typing import Any
 
 from ._errors import SceneError
 from ._known import suggestion
-from ._library import c, described, encoded, made, plain, text_of
+from ._library import Owned, c, described, encoded, made, plain, text_of
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
@@ -70,7 +70,7 @@ class Scene:
     @staticmethod
     def _made(function, *arguments):
         scene = Scene.__new__(Scene)
-        scene._own(_Held(made(function, *arguments)))
+        scene._own(Owned(made(function, *arguments), c.scene_release))
         return scene
 
     @staticmethod
@@ -167,16 +167,6 @@ class Scene:
     def __repr__(self) -> str:
         return (f"<cvtflow.Scene {self.name}: {self['chain.pins']} pins, ratio {self['start.ratio']:g}, "
                 f"until {self['run.until']:g} s>")
-
-
-class _Held:
-    """A scene of the library, which ends with the last Python object that refers to it."""
-
-    def __init__(self, handle):
-        self.handle = handle
-
-    def __del__(self, release=c.scene_release):
-        release(self.handle)
 
 
 def is_path(scene: Any) -> bool:

@@ -16,8 +16,8 @@ from typing import Any
 from ._channels import Channels, of_simulation
 from ._errors import ArgumentError, BusyError, SceneError, StartStateError, StateError
 from ._known import suggestion
-from ._library import (ON_LINE, Column, Counters, Energy, Info, Options, Transition, _local, _WrongType, c, check, described, encoded, in_si,
-                       made, message, plain)
+from ._library import (ON_LINE, Column, Counters, Energy, Info, Options, Owned, Transition, _local, _WrongType, c, check, described, encoded,
+                       in_si, made, message, plain)
 from ._notebook import shown, with_unit
 from ._scene import Scene, opened
 
@@ -103,16 +103,6 @@ class State:
 _BYTES = bytes
 
 
-class _Owner:
-    """A simulation of the library, which ends with the last Python object that refers to it: the Simulation or a view of its numbers."""
-
-    def __init__(self, handle):
-        self.handle = handle
-
-    def __del__(self, destroy=c.destroy):
-        destroy(self.handle)
-
-
 class _Memory:
     """Numbers of a simulation for NumPy, which cannot be written to."""
 
@@ -134,7 +124,7 @@ class Simulation:
         self._begin(scene, threads, segments, made(c.create, scene._handle, byref(options)))
 
     def _begin(self, scene, threads, segments, handle):
-        self._scene, self._threads, self._segments, self._owner, self._handle = scene, threads, segments, _Owner(handle), handle
+        self._scene, self._threads, self._segments, self._owner, self._handle = scene, threads, segments, Owned(handle, c.destroy), handle
         self._lock, self._views, self._infos, self._room = threading.Lock(), {}, None, 1 << 16
         self._interval = self._slice = scene["run.output_interval"]  # [s]; simulated in BETWEEN_CHECKS, at least an interval [s]
         self._on_output, self._every, self._outputs, self._on_transition = None, 1.0, 0.0, None
