@@ -24,8 +24,8 @@ class Wear(Folder):
                          r"of the [\d.e-]+ J that friction of tips dissipated")
         self.assertIn("coefficient 1e-16", figure.axes[2].get_title(loc="left"))
         for axis, name, factor in zip(figure.axes, ("energy", "pressure_speed", "sheave_depth"), (1e-3, 1e-6, 1e6)):
-            self.assertEqual([bars.get_label()[:9] for bars in axis.containers], ["sheave 1-", "sheave 1+", "sheave 2-", "sheave 2+"])
-            np.testing.assert_allclose([np.nan_to_num(bars.datavalues) for bars in axis.containers], factor * worn[name])
+            self.assertEqual([rings.get_label()[:9] for rings in axis.patches], ["sheave 1-", "sheave 1+", "sheave 2-", "sheave 2+"])
+            np.testing.assert_allclose([rings.get_data().values for rings in axis.patches], factor * worn[name])
         counts = [steps.get_data().values.sum() for steps in figure.axes[3].patches]
         pressed = np.isfinite(worn["tip_depth"]).reshape(-1, 4).sum(axis=0)
         np.testing.assert_array_equal(counts, pressed)  # every tip that pressed is counted once, in its group

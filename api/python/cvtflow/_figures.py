@@ -29,7 +29,7 @@ class Line:
     name: str
     x: np.ndarray
     y: np.ndarray
-    style: dict = dataclasses.field(default_factory=dict)  # of Axes.plot; {"stairs": edges} draws steps, {"bar": (offset, width)} bars
+    style: dict = dataclasses.field(default_factory=dict)  # of Axes.plot; {"stairs": edges} draws steps
     sets_ends: bool = True  # whether axes reach its points
 
 
@@ -257,10 +257,6 @@ def _lines(axis, panel):
         label = wrapped(line.name) if line.name else None
         if "stairs" in look:
             axis.stairs(line.y, look.pop("stairs"), label=label, **look)
-            continue
-        if "bar" in look:
-            offset, width = look.pop("bar")
-            axis.bar(line.x + offset, line.y, width, label=label, **look)
             continue
         ends = axis.axis() if not line.sets_ends else None
         axis.plot(line.x, line.y, label=label, **look)

@@ -67,8 +67,8 @@ def wear(record):
 
 def rounds_text(found):
     """Over how much of the chain's way sums are."""
-    rounds = found["rounds"]
-    return f"sums over {rounds:{'.3g' if rounds < 999.5 else '.0f'}} rounds of the chain" if rounds else "sums over the record"
+    rounds = f"{found['rounds']:{'.3g' if found['rounds'] < 999.5 else '.0f'}}"
+    return f"sums over {rounds} round{'' if rounds == '1' else 's'} of the chain" if found["rounds"] else "sums over the record"
 
 
 def sampled(record, found, width):

@@ -299,8 +299,8 @@ def wear(record, ax=None):
             ("sheave_depth", 1e6, "depth [µm]", f"Worn depth of the sheaves in 1,000 hours, Archard's coefficient {coefficient:.3g} 1/Pa")):
         panel = Panel(title, "radius [mm]", label, x_ends=ends)
         for number, (sheave, numbers) in enumerate(zip(_wear.SHEAVES, found[name])):
-            bar = {"bar": (1e3 * width * (number - 1.5) * 0.22, 1e3 * width * 0.2), "color": colour(number)}
-            panel.lines.append(Line(f"sheave {sheave}", 1e3 * found["radius"], np.where(numbers > 0.0, factor * numbers, np.nan), bar))
+            rings = {"stairs": edges, "color": colour(number), "linewidth": 2.2 - 0.4 * number}  # where lines meet, all are seen
+            panel.lines.append(Line(f"sheave {sheave}", 1e3 * found["radius"], factor * numbers, rings))
         panels.append(panel)
     panels.append(_worn_tips(found["tip_depth"]))
     heading = f"{conditions(record)}; {_wear.rounds_text(found)}{_wear.sampled(record, found, width)}"
