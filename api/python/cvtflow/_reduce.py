@@ -190,8 +190,8 @@ class Bench:
         print(f"  {line}", file=sys.stderr, flush=True)
 
     def call(self, *words, folder=None, shows=False):
-        """Runs the program. shows: its messages appear on the user's stderr. Raises RuntimeError with its message, unless rows state what
-        failed."""
+        """Runs the program: the library ends a sweep whose first dozen cases fail alike, as those at the edge of a map may. shows: its messages
+        appear on the user's stderr. Raises RuntimeError with its message, unless rows state what failed."""
         death = ctypes.CDLL(None).prctl
         done = subprocess.run([self._program, *words], cwd=folder or self.runs, stdout=subprocess.DEVNULL, text=True,
                               stderr=None if shows else subprocess.PIPE,
