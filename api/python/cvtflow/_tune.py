@@ -139,18 +139,14 @@ class Points:
         key = choice.detail, choice.method, choice.step
         if key not in self._probed:
             simulation = Simulation(chosen(self.scene, choice, choice.step, self.state(choice)), Threads.caller())
-            self._steps(simulation, 100)  # in the beginning many tips first touch
-            before, begin, start = simulation.counters().evaluations, time.process_time(), simulation.time
-            self._steps(simulation, 300)
+            for step in range(400):
+                if step == 100:  # in the beginning many tips first touch
+                    before, begin, start = simulation.counters().evaluations, time.process_time(), simulation.time
+                simulation.step()
             evaluations, passed = simulation.counters().evaluations - before, simulation.time - start
             self._probed[key] = (simulation.method, simulation.step_length, evaluations * simulation.size() / passed,
                                  (time.process_time() - begin) / passed)
         return self._probed[key]
-
-    @staticmethod
-    def _steps(simulation, count):
-        for _ in range(count):
-            simulation.step()
 
     def run(self, choice: Choice, step: float) -> list[tuple[list[float], str, str]]:
         """(outputs, objection, notes) of every point; an objection states why the outputs are invalid."""
@@ -174,25 +170,25 @@ class Points:
             errors.append(math.inf if math.isnan(error) else error)
         return errors
 
-    def references(self, agreement: float) -> list[tuple[Any, float, float, str]]:
-        """(row, share, agreement, text) by point: the finest level at a quarter of its automatic step or less, such that twice that step has
-        errors of at most `agreement`; a row of None has no reference, and the text states why."""
+    def references(self, agreement: float) -> list[tuple[Any, str]]:
+        """(row, text) by point: the finest level at a quarter of its automatic step or less, such that twice that step has errors of at most
+        `agreement`; a row of None has no reference, and the text states why."""
         finest, found, before = Choice(described("levels")["rows"][-1]["name"], "auto"), {}, []
         for share in _REFERENCE_SHARES:
             self.begin(f"reference, 1/{1.0 / share:g} of its automatic step")
             method, step, *_ = self.probe(finest)
             rows = self.run(finest, share * step)
             for point, (row, other) in enumerate(zip(rows, before)):
-                if point in found and found[point][0]:
+                if found.get(point, (None,))[0]:
                     continue
                 off = max(self.errors(other, row)) if not row[1] else math.inf
-                text = row[1] or (f"{finest.detail} has not converged at {share:g} of its automatic step: twice that step has errors of "
-                                  f"{100 * off:.2g} %, above {100 * agreement:.2g} %")
+                text = f"at {share:g} of its automatic step; twice that step has errors of {100 * off:.2g} %"
                 if off <= agreement:
-                    text = (f"{finest.detail}, {method} at {share:g} of its automatic step; twice that step has errors of {100 * off:.2g} %"
-                            + "; unsteady: its means still change (--settling, --average)" * ("unsteady" in row[2]))
-                found[point] = (row if off <= agreement else None, share, off, text)
-            if before and all(found[point][0] for point in found):
+                    unsteady = "; unsteady: its means still change (--settling, --average)" * ("unsteady" in row[2])
+                    found[point] = row, f"{finest.detail}, {method} {text}{unsteady}"
+                else:
+                    found[point] = None, row[1] or f"{finest.detail} has not converged {text}, above {100 * agreement:.2g} %"
+            if before and all(row for row, _ in found.values()):
                 break
             before = rows
         return [found[point] for point in sorted(found)]
@@ -329,7 +325,7 @@ def search(points: Points, settings: Settings) -> dict[str, Any]:
                     "front": False, "standing": "budget used up"})
         found["choices"].sort(key=lambda row: row["work_per_second"])  # not by time: every run and machine chooses the same
         references = points.references(CONVERGED * settings.accuracy / MARGIN)
-        for name, (row, _, _, text) in zip(points.names, references):
+        for name, (row, text) in zip(points.names, references):
             (found["references"] if row else found["left_out"]).append(text if row else f"{name}: {text}")
             found["points"] += [name] if row else []
         if not found["points"]:

@@ -81,7 +81,7 @@ def verify(folder, threads=0, say=lambda text: None):
         names = _tune.scalars_in(rows, len(known["scalars"]))
         with _points(scene, sweep, cases, say, threads) as points:
             references = points.references(_tune.CONVERGED * known["target"])
-        for case, (reference, *_, text) in zip(cases, references):
+        for case, (reference, text) in zip(cases, references):
             if reference:
                 known["errors"][str(case)] = points.errors(([rows.cells[name][case] for name in names], ""), reference)
             else:

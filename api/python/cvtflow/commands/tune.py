@@ -117,7 +117,7 @@ def _unseen(points, settings, found):
     references = points.references(_tune.CONVERGED * settings.accuracy)
     for name, reference, is_ in zip(points.names, references, points.run(_tune.choice_of(row), row["step"])):
         errors = points.errors(is_, reference[0]) if reference[0] else []
-        found["unseen"].append({"point": name, "errors": errors, "remark": is_[1] if errors else reference[3]})
+        found["unseen"].append({"point": name, "errors": errors, "remark": is_[1] if errors else reference[1]})
         worst = f"largest error {100 * max(errors):.2g} %" if errors else "no reference"
         text += _field("unseen", f"{name}: {worst}" + f" ({found['unseen'][-1]['remark']})" * bool(found["unseen"][-1]["remark"]))
     return text
