@@ -119,6 +119,9 @@ class PlotCommand(Program):
         by_column = self.svg("cases.csv --x load.torque --y slip_mean")
         self.has(by_column, ">start ratio 2<", "4 of 5 cases", ">mean slip [%]<", ">load torque [N·m]<")
         self.assertEqual(self.svg("cases.csv --x load.torque --y 'slip mean'"), by_column, "as in the sweep's file")
+        self.lacks(by_column, "not steady")
+        write("knee.csv", TABLE + "5,not_steady,40,1,0.9\n6,not_steady,40,2,nan\n")
+        self.has(self.svg("knee.csv --x load.torque --y slip_mean"), "5 of 7 cases", ">not steady (1)<")
         self.has(self.svg("cases.csv --x load.torque --y start.ratio --colour slip_mean"),
                  ">mean slip over load torque and start ratio<", ">failed (1)<")
 

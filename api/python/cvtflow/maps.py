@@ -58,7 +58,7 @@ def _require_cases(results, good):
 
 
 def lines(sweeps, x, y, by=None, measured=None, si=False, where=(), ax=None, **style):
-    """A column over another, one line for each value of the others that vary; of several sweeps in one frame.
+    """A column over another, one line for each value of the others that vary; of several sweeps in one frame. Rings: cases that are not steady.
 
     sweeps    Results of sweeps, one or more
     by        a column, or a list of them, that lines are drawn for; None: every key of the scene that varies beside x
@@ -70,12 +70,14 @@ def lines(sweeps, x, y, by=None, measured=None, si=False, where=(), ax=None, **s
     """
     x_label, y_label = _numbers(sweeps[0], x, si)[0], _numbers(sweeps[0], y, si)[0]
     panel = Panel(f"{_words(y_label)} over {_words(x_label)}", x_label, y_label)
-    headings = []
+    headings, circled = [], []
     for number, results in enumerate(sweeps):
-        good = _states(results)[0]
+        good, unsteady = _states(results)
+        across, up = _numbers(results, x, si)[1], _numbers(results, y, si)[1]
+        good |= unsteady & np.isfinite(up)
         _require_cases(results, good)
         headings.append(_heading(results, good))
-        across, up = _numbers(results, x, si)[1], _numbers(results, y, si)[1]
+        circled.append(np.array([across, up])[:, good & unsteady])
         names = [results.column(x), results.column(y)]
         if by is None:
             groups = results.axes(names[0], names)
@@ -91,6 +93,8 @@ def lines(sweeps, x, y, by=None, measured=None, si=False, where=(), ax=None, **s
                 name = f"{name}, {results.name}" if name else results.name
                 own["color"] = colour(place if groups else number)
             panel.lines.append(Line(name, across[rows], up[rows], own | style))
+    if (points := np.concatenate(circled, axis=1)).size:
+        panel.lines.append(Line(f"not steady ({points.shape[1]})", *points, {"linestyle": "none", "marker": "o", "markersize": 9, "markerfacecolor": "none", "color": "#333333"}))
     along = np.concatenate([line.x[np.isfinite(line.x)] for line in panel.lines] or [np.zeros(1)])
     margin = 0.03 * np.ptp(along)
     panel.x_ends = (along.min() - margin, along.max() + margin) if margin > 0.0 and measured is None else ()
