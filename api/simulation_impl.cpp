@@ -33,10 +33,10 @@ const model::StartState& SceneData::placed_start() const {
     });
 }
 
-std::uint64_t SceneData::fingerprint() const {
-    return mutex_.guard([this] {
-        if (!fingerprint_) fingerprint_ = api::fingerprint(scene);
-        return *fingerprint_;
+const engine::StateHead& SceneData::head() const {
+    return mutex_.guard([this]() -> const engine::StateHead& {
+        if (!head_) head_ = tasks::head_of(scene, tasks::method_of(scene));
+        return *head_;
     });
 }
 
@@ -235,14 +235,19 @@ std::unique_ptr<HostSimulation> HostSimulation::copy() {
     const tasks::IntegrationState& now = simulation_.integration_state();
     const model::StartState start{now.state, now.phases, {}, 0.0};
     auto other = std::make_unique<HostSimulation>(scene_, threads_, segments_, &start);
-    other->restore({scene_->fingerprint(), now});
+    other->take(now);
     other->start_differences_ = start_differences_;
     return other;
 }
 
 std::vector<std::byte> HostSimulation::state() {
     const Scope scope(*this, Scope::As::visitor);
-    return write_state_bytes(scene_->fingerprint(), simulation_.integration_state());
+    engine::StateHead head = scene_->head();
+    head.balance_error_ratio = simulation_.balance_error_ratio();
+    auto& now = const_cast<tasks::IntegrationState&>(simulation_.integration_state());  // which an archive that writes does not change
+    const std::size_t about = head.scene.size() + now.energy.size() + now.method.size() + 24 * (now.state.size() + now.phases.size());
+    const auto visit = [&](engine::Archive& archive) { head.visit(archive), now.visit(archive); };
+    return engine::state_of(visit, about);
 }
 
 void HostSimulation::rhs(double t, const double* x, double* out) {
@@ -268,11 +273,30 @@ std::vector<std::string> HostSimulation::notices() const {
     return lines;
 }
 
-void HostSimulation::restore(StateRecord record) {
-    const Scope scope(*this, Scope::As::stepper);
-    if (record.fingerprint != scene_->fingerprint())
+std::span<const std::byte> HostSimulation::fields(std::span<const std::byte> bytes) {
+    try {
+        return engine::fields_of_state(bytes);
+    } catch (const engine::ArchiveError& error) {
+        throw Error(ErrorCode::state, std::string("saved state: ") + error.what());
+    }
+}
+
+void HostSimulation::restore(std::span<const std::byte> bytes) {
+    engine::Archive archive = engine::Archive::from(fields(bytes));
+    engine::StateHead head;
+    tasks::IntegrationState state;
+    translated(ErrorCode::state, [&] {
+        head.visit(archive);
+        if (head.scene_hash == scene_->head().scene_hash) state.visit(archive);
+    });
+    if (head.scene_hash != scene_->head().scene_hash)
         throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");
-    translated(ErrorCode::state, [&] { simulation_.restore(std::move(record.integration)); });
+    take(std::move(state));
+}
+
+void HostSimulation::take(tasks::IntegrationState state) {
+    const Scope scope(*this, Scope::As::stepper);
+    translated(ErrorCode::state, [&] { simulation_.restore(std::move(state)); });
     channels_.changed();
     last_stop_ = std::numeric_limits<double>::infinity();
     callbacks_.restart(simulation_.time());

@@ -15,12 +15,13 @@
 #include <vector>
 
 #include "api/host/entry.hpp"
-#include "api/host/state_bytes.hpp"
 #include "engine/executor/cancellation.hpp"
+#include "engine/record/run/state_file.hpp"
 #include "engine/thread/guards.hpp"
 #include "model/observe/observation.hpp"
 #include "model/start/start_state.hpp"
 #include "tasks/channel/channels.hpp"
+#include "tasks/run/saved_start.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/step/integration_state.hpp"
@@ -35,13 +36,13 @@ struct SceneData {
 
     /// Geometric start of its simulations, placed by the first one. @throws as model::start_state
     [[nodiscard]] const model::StartState& placed_start() const;
-    /// fingerprint() of the scene, computed once.
-    [[nodiscard]] std::uint64_t fingerprint() const;
+    /// Head of its states, written once.
+    [[nodiscard]] const engine::StateHead& head() const;
 
 private:
     mutable engine::Mutex mutex_;
     mutable std::optional<model::StartState> placed_start_;
-    mutable std::optional<std::uint64_t> fingerprint_;
+    mutable std::optional<engine::StateHead> head_;
 };
 
 /// The channels that a simulation's machine has, and their present values.
@@ -152,8 +153,12 @@ public:
     [[nodiscard]] std::unique_ptr<HostSimulation> copy();
     void advance(double until, long steps);  ///< until [s]
     void cancel() noexcept { cancel_.request(); }
+    /// A state (engine/base/archive.hpp): head, integration.
     [[nodiscard]] std::vector<std::byte> state();
-    void restore(StateRecord record);
+    /// Takes a state of the same scene, a checkpoint too. @throws Error (state)
+    void restore(std::span<const std::byte> bytes);
+    /// Fields of a state, whose mark, version and checksum are checked. @throws Error (state)
+    static std::span<const std::byte> fields(std::span<const std::byte> bytes);
     /// Slope at (t [s], x), of the unknowns.
     void rhs(double t, const double* x, double* out);
     void hold(const model::HeldInputs& held);
@@ -167,6 +172,7 @@ public:
     [[nodiscard]] std::size_t size() const noexcept { return static_cast<std::size_t>(simulation_.workspace().layout().size()); }
 
 private:
+    void take(tasks::IntegrationState state);
     void require_own_process();
 
     std::shared_ptr<const SceneData> scene_;

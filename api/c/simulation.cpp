@@ -156,13 +156,13 @@ cvtflow_code cvtflow_state_get(const cvtflow_simulation* simulation, void* bytes
 cvtflow_code cvtflow_state_set(cvtflow_simulation* simulation, const void* bytes, size_t size, cvtflow_message* message) {
     return api::guarded(message, [&] {
         const auto* first = static_cast<const std::byte*>(bytes);
-        api::of(simulation).restore(api::read_state_bytes(api::given(first, size, "bytes")));
+        api::of(simulation).restore(api::given(first, size, "bytes"));
     });
 }
 
 cvtflow_code cvtflow_state_check(const void* bytes, size_t size, cvtflow_message* message) {
     const auto* first = static_cast<const std::byte*>(bytes);
-    return api::guarded(message, [&] { api::check_state_bytes(api::given(first, size, "bytes")); });
+    return api::guarded(message, [&] { static_cast<void>(api::HostSimulation::fields(api::given(first, size, "bytes"))); });
 }
 
 uint64_t cvtflow_hash(const cvtflow_simulation* simulation) {

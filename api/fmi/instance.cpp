@@ -231,12 +231,8 @@ std::vector<std::byte> Snapshot::bytes() const {
     std::string names;
     std::vector<double> values;
     for (const auto& [key, value] : parameters) names += key + '\n', values.push_back(value);
-    std::vector<std::byte> bytes, inside(state.bytes().begin(), state.bytes().end());
-    engine::begin_state(bytes);
-    engine::Archive archive = engine::Archive::to(bytes);
-    visit(copy, names, values, inside, archive);
-    engine::seal_state(bytes);
-    return bytes;
+    std::vector<std::byte> inside(state.bytes().begin(), state.bytes().end());
+    return engine::state_of([&](auto& archive) { visit(copy, names, values, inside, archive); }, inside.size() + names.size() + 1024);
 }
 
 Snapshot Snapshot::from_bytes(std::span<const std::byte> bytes) {

@@ -16,12 +16,11 @@ Provenance current_provenance() {
     here.commit = "unknown";
     return here;
 }
+std::string version_text() { return "core library"; }
 ThreadShortage thread_shortage() noexcept { return {}; }
 long process_number() noexcept { return 0; }
 
-SavedState read_state(const std::string& path) {
-    throw RecordError(path + ": this library cannot read state files; start.state = \"\" settles instead");
-}
+SavedState last_state_of_record(const std::string& path) { throw RecordError(path + ": this library reads no records, only states"); }
 FileIdentity identity_of(const std::string&) noexcept { return {}; }
 
 std::string read_text_input(const std::string& path, std::uint64_t, double) {

@@ -30,33 +30,42 @@ void Archive::end() const {
     if (!from_.empty()) throw ArchiveError("it has further fields");
 }
 
-void begin_state(std::vector<std::byte>& state) {
-    const auto mark = std::as_bytes(std::span(state_mark)), version = std::as_bytes(std::span(&state_version, 1));
-    state.assign(mark.begin(), mark.end());
-    state.insert(state.end(), version.begin(), version.end());
-}
+constexpr std::size_t word = sizeof(std::uint64_t), head = state_mark.size() + word;
 
-void seal_state(std::vector<std::byte>& state) {
+std::vector<std::byte> state_of(const std::function<void(Archive&)>& visit, std::size_t expected_size) {
+    std::vector<std::byte> state;
+    state.reserve(expected_size);
+    state.resize(head);
+    std::memcpy(state.data(), state_mark.data(), state_mark.size());
+    std::memcpy(state.data() + state_mark.size(), &state_version, word);
+    Archive archive = Archive::to(state);
+    visit(archive);
     const std::uint64_t sum = Checksum().add(state).value();
-    const auto bytes = std::as_bytes(std::span(&sum, 1));
-    state.insert(state.end(), bytes.begin(), bytes.end());
+    state.resize(state.size() + word);
+    std::memcpy(state.data() + state.size() - word, &sum, word);
+    return state;
 }
 
 bool begins_with(std::span<const std::byte> bytes, std::string_view text) noexcept {
     return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
 }
 
-std::span<const std::byte> fields_of_state(std::span<const std::byte> state) {
-    constexpr std::size_t word = sizeof(std::uint64_t), head = state_mark.size() + word;
-    for (const std::string_view former : {"CVTFLOW", "CVTFMU", "\x89HDF"})
-        if (begins_with(state, former)) throw ArchiveError("it is not a state of this version, but of 0.4 or before: write it again");
-    if (state.size() < head + word || !begins_with(state, state_mark)) throw ArchiveError("it is not a state");
-    std::uint64_t version = 0, sum = 0;
-    std::memcpy(&version, state.data() + state_mark.size(), word);
+void require_state(std::span<const std::byte> bytes) {
+    if (begins_with(bytes, hdf5_mark)) throw ArchiveError("an HDF5 file, not a state; if it is one of version 0.4, settle or run again");
+    if (begins_with(bytes, "CVTFLOW") || begins_with(bytes, "CVTFMU")) throw ArchiveError("a state of version 0.4: settle or run again");
+    if (bytes.size() < head || !begins_with(bytes, state_mark)) throw ArchiveError("not a state");
+    std::uint64_t version = 0;
+    std::memcpy(&version, bytes.data() + state_mark.size(), word);
     if (version != state_version)
-        throw ArchiveError("it is a state of format " + std::to_string(version) + ", this program reads " + std::to_string(state_version));
-    std::memcpy(&sum, state.data() + state.size() - word, word);
-    if (sum != Checksum().add(state.first(state.size() - word)).value()) throw ArchiveError("it is damaged");
+        throw ArchiveError("a state of format " + std::to_string(version) + ", this program reads " + std::to_string(state_version));
+}
+
+std::span<const std::byte> fields_of_state(std::span<const std::byte> state) {
+    require_state(state);
+    std::uint64_t sum = 0;
+    if (state.size() >= head + word) std::memcpy(&sum, state.data() + state.size() - word, word);
+    if (state.size() < head + word || sum != Checksum().add(state.first(state.size() - word)).value())
+        throw ArchiveError("a damaged state: its checksum differs");
     return state.subspan(head, state.size() - head - word);
 }
 

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -147,13 +148,14 @@ void read_fields(std::span<const std::byte> bytes, const auto& visit) {
 }
 
 /// A whole state: "CVTSTATE", the version of the format (8 bytes), fields, the Checksum of all before.
-inline constexpr std::string_view state_mark = "CVTSTATE";
+inline constexpr std::string_view state_mark = "CVTSTATE", hdf5_mark = "\x89HDF";
 inline constexpr std::uint64_t state_version = 1;
-/// Writes mark and version, behind which fields are to be appended; then seal_state().
-void begin_state(std::vector<std::byte>& state);
-void seal_state(std::vector<std::byte>& state);
+/// The state of the fields that visit(archive) writes. @param expected_size  bytes
+[[nodiscard]] std::vector<std::byte> state_of(const std::function<void(Archive&)>& visit, std::size_t expected_size = 0);
 /// Whether bytes begin with a mark.
 [[nodiscard]] bool begins_with(std::span<const std::byte> bytes, std::string_view mark) noexcept;
+/// @throws ArchiveError if bytes do not begin as a state of this version
+void require_state(std::span<const std::byte> bytes);
 /// Fields of a state. @throws ArchiveError: no state, of another version, damaged
 [[nodiscard]] std::span<const std::byte> fields_of_state(std::span<const std::byte> state);
 

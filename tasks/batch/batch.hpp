@@ -2,7 +2,7 @@
 /// Runs a sweep into a folder (tasks/batch/results/results.hpp), together with every other process that runs it there, or continues one
 /// that was stopped or killed at any moment.
 ///
-///     DIR/states/HASH.h5           settled states
+///     DIR/states/HASH.state        settled states
 ///     DIR/records/case-N.h5        records, if the sweep asks for them
 ///     DIR/continuation/end-N.h5    ends of continued cases, from which their neighbours start
 ///

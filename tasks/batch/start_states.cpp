@@ -153,19 +153,17 @@ StartStates::State StartStates::from_file(const std::string& path) {
 /// A state that another process has settled. Its name promises a scene: what it contains is compared.
 StartStates::State StartStates::shared_from_file(const std::string& path, std::uint64_t key) {
     State state = from_file(path);
-    const std::string_view text = settled_scene_text(*state);
-    if (text.empty() || content(parse_scene(std::string(text), path, StartState::recorded)) != key)
+    if (state->scene.empty() || content(parse_scene(state->scene, path, StartState::recorded)) != key)
         throw engine::RecordError(path + ": a shared start state of another scene than its name promises; remove it");
-    const std::string_view by = program_of(*state);
-    if (by != engine::version_text())
-        throw engine::RecordError(fmt::format("{}: a shared start state settled by cvtflow {}, this is {}; remove it", path,
-                                              by.empty() ? "of unknown version" : by, engine::version_text()));
+    if (state->program != engine::version_text())
+        throw engine::RecordError(fmt::format("{}: a shared start state settled by cvtflow {}, this is {}; remove it", path, state->program,
+                                              engine::version_text()));
     return state;
 }
 
 StartStates::State StartStates::settled(const Scene& scene, const engine::Cancellation& cancel) {
     const std::uint64_t key = content(scene);
-    const std::string file = (folder_ / (engine::hex(key) + ".h5")).string();
+    const std::string file = (folder_ / (engine::hex(key) + ".state")).string();
     if (State state = kept(of_file_, file)) return state;
     const bool mine = once_.claim(key);
     std::error_code missing;
@@ -180,9 +178,7 @@ StartStates::State StartStates::settled(const Scene& scene, const engine::Cancel
     if (simulation.needs_settling()) {
         if (const Fault fault = simulation.advance({.until = 0.0}, silent, cancel)) throw StartFault(fault);
     }
-    auto made = std::make_shared<engine::SavedState>(simulation.saved_state());
-    made->attributes.push_back({std::string(program_attribute), engine::version_text()});
-    const State state = made;
+    const State state = std::make_shared<const engine::SavedState>(simulation.saved_state());
     std::filesystem::create_directories(folder_);
     try {
         engine::write_state(file, *state);

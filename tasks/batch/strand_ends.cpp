@@ -17,15 +17,12 @@ namespace {
 
 /// Numbers beside a mean state: means of S_1 [N] and of the ratio [1], which are extrapolated with it; SteadyRule::cylinder [W], negative
 /// where no sheave was held.
-constexpr const char* beside_name = "solved";
 using Beside = std::array<double, 3>;
 enum Solved { force, ratio, cylinder };
 
 [[nodiscard]] std::optional<Beside> beside(const StartStates::State& end) {
-    if (!end || end->more.empty() || end->more.front().name != beside_name) return {};
-    const std::vector<double>& solved = end->more.front().values;
-    if (solved.size() <= cylinder) return {};
-    return Beside{solved.at(force), solved.at(ratio), solved.at(cylinder)};
+    if (!end || end->means.size() <= cylinder) return {};
+    return Beside{end->means[force], end->means[ratio], end->means[cylinder]};
 }
 
 /// Value of a key in a case; not a number where it has none.
@@ -130,10 +127,9 @@ void StrandEnds::keep(long number, const Scene& scene, Simulation& simulation, c
     saved->time = 0.0;
     if (sections.put(*saved, simulation.workspace().layout())) {
         const SpanMeans all = means.all();
-        saved->more = {{beside_name, {all.clamping[0], all.ratio, means.rule().holds_sheave() ? means.rule().cylinder : -1.0}}};
-        for (engine::Attribute& each : saved->attributes) {  // what was before the means is no part of the mean state
-            if (each.name == balance_error_ratio_attribute) each.value = simulation.balance_error_ratio(means.mark());
-        }
+        saved->means = {all.clamping[0], all.ratio, means.rule().holds_sheave() ? means.rule().cylinder : -1.0};
+        saved->balance_error_ratio =
+            simulation.balance_error_ratio(means.mark());  // what was before the means is no part of the mean state
     }
     ends_[number] = saved;
     try {

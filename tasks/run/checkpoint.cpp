@@ -3,16 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <filesystem>
 #include <span>
-#include <stdexcept>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/record/run/state_file.hpp"
 #include "tasks/method/method.hpp"
+#include "tasks/run/saved_start.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
 
@@ -66,61 +63,17 @@ std::string hash_of_slope(const IntegrationState& at, model::Variator variator) 
     return engine::hex(engine::state_hash(slope));
 }
 
-using Numbers = std::vector<double>;
-
-/// The array of that name. @throws engine::RecordError if it is missing
-const Numbers& array(const engine::SavedState& saved, const std::string& path, std::string_view name) {
-    for (const engine::NamedArray& each : saved.more)
-        if (each.name == name) return each.values;
-    throw engine::RecordError(path + ": a state file, not a checkpoint: it has no " + std::string(name));
-}
-
-/// Fields as an array of numbers: the count of their bytes, then these.
-Numbers packed(const std::vector<std::byte>& fields) {
-    Numbers numbers(1 + (fields.size() + sizeof(double) - 1) / sizeof(double), static_cast<double>(fields.size()));
-    std::memcpy(numbers.data() + 1, fields.data(), fields.size());
-    return numbers;
-}
-
-std::span<const std::byte> unpacked(const Numbers& numbers) {
-    const auto bytes = std::as_bytes(std::span(numbers)).subspan(sizeof(double));
-    return bytes.first(static_cast<std::size_t>(std::clamp(numbers[0], 0.0, static_cast<double>(bytes.size()))));
-}
-
-/// Fields of history and integration. @tparam Any  Checkpoint
-void visit_integration(Checkpoint& c, engine::Archive& archive) {
-    c.history.visit(archive);
-    c.integration.visit(archive);
-    archive("recorder", c.recorder);
-}
-
-/// Hash of everything that gives a checkpoint's numbers their meaning.
-[[nodiscard]] std::string fingerprint_of(const Checkpoint& c) {
-    engine::Hash hash;
-    for (const std::string* text : {&c.scene, &c.method_hash, &c.slope_hash})
-        hash.add(static_cast<std::uint64_t>(text->size())).add(std::string_view(*text));
-    return hash.hex();
-}
-
-/// Texts of a checkpoint, which are attributes of its file.
-constexpr std::pair<const char*, std::string Checkpoint::*> texts[] = {
-    {"scene", &Checkpoint::scene},     {"scene_name", &Checkpoint::name},         {"scene_path", &Checkpoint::path},
-    {"scene_text", &Checkpoint::text}, {"record", &Checkpoint::record},           {"run", &Checkpoint::run},
-    {"program", &Checkpoint::program}, {"method_hash", &Checkpoint::method_hash}, {"slope_hash", &Checkpoint::slope_hash}};
-
 }  // namespace
 
 void remove_checkpoint(const std::string& path) {
     std::error_code gone;
     for (const std::string& file : {path, path + ".part"}) {
-        const bool empty = std::filesystem::file_size(file, gone) == 0 && !gone;
-        if (empty || engine::is_state_file(file)) std::filesystem::remove(file, gone);
+        if (engine::is_state_file(file)) std::filesystem::remove(file, gone);
     }
 }
 
 void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator) {
-    checkpoint.scene = write_scene(scene);
-    checkpoint.name = scene.name;
+    static_cast<engine::StateHead&>(checkpoint) = head_of(scene, method_of(scene));
     checkpoint.path = scene.path.string();
     checkpoint.text = scene.text;
     checkpoint.program = program_text();
@@ -128,44 +81,10 @@ void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& var
     checkpoint.slope_hash = hash_of_slope(checkpoint.integration, variator);
 }
 
-void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
-    write_checkpoint(engine::OutputFile(path, engine::is_state_file), checkpoint);
-}
-
-void write_checkpoint(const engine::OutputFile& file, const Checkpoint& c) {
-    engine::SavedState saved;
-    saved.time = c.integration.time;
-    saved.state = c.integration.state;
-    for (const model::Phase phase : c.integration.phases) saved.phases.push_back(static_cast<std::uint8_t>(phase));
-    saved.fingerprint = fingerprint_of(c);
-    for (const auto& [name, member] : texts) saved.attributes.push_back({name, c.*member});
-    std::vector<std::byte> fields;
-    Checkpoint copy = c;
-    engine::write_fields(fields, [&](auto& archive) { visit_integration(copy, archive); });
-    saved.more = {{"fields", packed(fields)}};
-    engine::write_state(file, saved);
-}
-
-namespace {
-
-Checkpoint checkpoint_in(const engine::SavedState& saved, const std::string& path) {
-    Checkpoint c;
-    engine::read_fields(unpacked(array(saved, path, "fields")), [&](auto& archive) { visit_integration(c, archive); });
-    for (const auto& [name, member] : texts)
-        if (const auto* text = engine::attribute_value<std::string>(saved.attributes, name)) c.*member = *text;
-    if (saved.fingerprint != fingerprint_of(c)) throw std::domain_error("its fingerprint belongs to another scene, method or model");
-    return c;
-}
-
-}  // namespace
-
 Checkpoint read_checkpoint(const std::string& path) {
-    const engine::SavedState saved = engine::read_state(path);
-    try {
-        return checkpoint_in(saved, path);
-    } catch (const std::logic_error& error) {
-        throw engine::RecordError(fmt::format("{}: damaged checkpoint: {}", path, error.what()));
-    }
+    Checkpoint checkpoint;
+    engine::read_state_file(path, "checkpoint", [&](engine::Archive& archive) { checkpoint.visit(archive), archive.end(); });
+    return checkpoint;
 }
 
 Scene scene_of(const Checkpoint& checkpoint) {

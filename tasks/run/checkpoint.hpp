@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/record/run/part_file.hpp"
+#include "engine/record/run/state_file.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/step/integration_state.hpp"
 
@@ -27,29 +27,31 @@ struct RunHistory {
     }
 };
 
-struct Checkpoint {
-    std::string scene;        ///< text by write_scene
-    std::string name;         ///< name of the scene
+struct Checkpoint : engine::StateHead {
     std::string path;         ///< the scene's file, as it was named
     std::string text;         ///< contents of the scene's file
     std::string record;       ///< absolute path of the run's record; empty: none. A hint for people: it decides about no file
     std::string run;          ///< identity of the run, which its record holds as well; empty: it has no record
-    std::string program;      ///< version, commit and compiler that wrote it
     std::string method_hash;  ///< hash of the method's coefficients
     std::string slope_hash;   ///< hash of the right-hand side at the state, which depends on the model and its rounding
     IntegrationState integration;
     RunHistory history;
     std::vector<std::byte> recorder;  ///< RunRecorder::position()
+
+    void visit(engine::Archive& archive) {
+        StateHead::visit(archive);
+        integration.visit(archive);
+        archive("scene_path", path), archive("scene_text", text), archive("record", record);
+        archive("run", run), archive("method_hash", method_hash), archive("slope_hash", slope_hash);
+        history.visit(archive);
+        archive("recorder", recorder);
+    }
 };
 
 /// The guards for a simulation of this scene at `state`.
 void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator);
 
-/// @throws engine::RecordError as write_state and read_state; also a state file that is no checkpoint
-void write_checkpoint(const engine::OutputFile& file, const Checkpoint& checkpoint);
-/// The same, replacing nothing but a checkpoint or state.
-void write_checkpoint(const std::string& path, const Checkpoint& checkpoint);
-/// Reads a checkpoint, also one whose fingerprint is not of the scene, method and model that it contains.
+/// A checkpoint that engine::write_state() has written. @throws engine::RecordError as read_state_file
 [[nodiscard]] Checkpoint read_checkpoint(const std::string& path);
 /// Deletes a checkpoint and what a killed writer left of it.
 void remove_checkpoint(const std::string& path);
@@ -63,7 +65,7 @@ void remove_checkpoint(const std::string& path);
 
 /// Refuses to continue a run of another scene, method, model or version of the program.
 /// @throws SimulationError, a line per difference:
-///     run.checkpoint.h5: this is no checkpoint of the scene:
+///     run.checkpoint: this is no checkpoint of the scene:
 ///       chain.pins = 24, the checkpoint has 84
 /// @param mixed  whether another version of the program may continue
 void require_same(const std::string& path, const Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator,

@@ -45,7 +45,7 @@ public:
         checkpoint.run = recorder_.run();
         checkpoint.recorder = recorder_.position();
         sign(checkpoint, scene_, simulation_.workspace().variator);
-        write_checkpoint(options_.checkpoint, checkpoint);
+        engine::write_state(options_.checkpoint, checkpoint);
         last_ = std::chrono::steady_clock::now();  // saving takes no more than half of the time
     }
 

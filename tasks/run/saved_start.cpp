@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "engine/base/hash.hpp"
+#include "engine/base/provenance.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/run/simulation.hpp"
@@ -17,18 +18,20 @@
 
 namespace cvtflow::tasks {
 
-double balance_error_ratio_of(const engine::SavedState& saved) {
-    const double* value = engine::attribute_value<double>(saved.attributes, balance_error_ratio_attribute);
-    return value == nullptr ? 0.0 : *value;
+engine::StateHead head_of(const Scene& scene, std::string method) {
+    Scene plain = scene;
+    plain.name = plain.description = plain.state_file = "";
+    plain.run = RunSettings();
+    plain.run.method = method_of(scene);
+    plain.run.step = scene.run.step;
+    plain.run.output_interval = scene.run.output_interval;
+    return {.program = engine::version_text(),
+            .method = std::move(method),
+            .scene_hash = engine::Hash().add(std::string_view(write_scene(plain))).value(),
+            .scene = write_scene(scene)};
 }
 
 namespace {
-
-/// Text of an attribute; empty if the state does not contain it.
-std::string_view attribute_text(const engine::SavedState& saved, std::string_view name) {
-    const std::string* text = engine::attribute_value<std::string>(saved.attributes, name);
-    return text == nullptr ? std::string_view() : std::string_view(*text);
-}
 
 /// Sections whose keys describe the machine, not the run or the operating point.
 [[nodiscard]] bool describes_machine(const Parameter& parameter) {
@@ -38,8 +41,7 @@ std::string_view attribute_text(const engine::SavedState& saved, std::string_vie
 
 /// The scene that a state was settled with, if the state contains it.
 [[nodiscard]] std::optional<Scene> settled_scene(const engine::SavedState& saved, const std::string& place) {
-    const std::string* text = engine::attribute_value<std::string>(saved.attributes, "scene");
-    return text == nullptr ? std::nullopt : std::optional(parse_scene(*text, place, StartState::recorded));
+    return saved.scene.empty() ? std::nullopt : std::optional(parse_scene(saved.scene, place, StartState::recorded));
 }
 
 [[nodiscard]] bool same_coordinates(const model::ChainLayout& a, const model::ChainLayout& b) noexcept {
@@ -82,15 +84,11 @@ std::string_view attribute_text(const engine::SavedState& saved, std::string_vie
 
 }  // namespace
 
-std::string_view settled_scene_text(const engine::SavedState& saved) { return attribute_text(saved, "scene"); }
-
-std::string_view program_of(const engine::SavedState& saved) { return attribute_text(saved, program_attribute); }
-
 std::uint64_t content_hash(const engine::SavedState& saved) noexcept {
     return engine::Hash()
         .add(std::span<const double>(saved.state))
         .add(std::span<const std::uint8_t>(saved.phases))
-        .add(settled_scene_text(saved))
+        .add(std::string_view(saved.scene))
         .value();
 }
 

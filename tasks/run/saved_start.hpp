@@ -1,5 +1,5 @@
 #pragma once
-/// Attributes of a saved state.
+/// States that runs begin with, and whether they fit.
 
 #include <memory>
 #include <optional>
@@ -12,20 +12,14 @@
 
 namespace cvtflow::tasks {
 
-/// Attribute of records and states with the step in use at their end [s]; "step" of a record is run.step, 0: automatic.
+/// Attribute of records with the step in use at their end [s]; "step" of a record is run.step, 0: automatic.
 inline constexpr std::string_view step_taken_attribute = "step_taken";
-/// Attribute with the error of the energy balance (EnergyLedger::balance_error_ratio): a run from a wrong state has wrong results.
-inline constexpr std::string_view balance_error_ratio_attribute = "energy_error_ratio";
-/// Attribute of states with a ledger: its numbers. A state without it is of a program whose ledger lacked the loss of guides.
-inline constexpr std::string_view ledger_size_attribute = "ledger_size";
-/// balance_error_ratio_attribute's value; 0 if absent.
-[[nodiscard]] double balance_error_ratio_of(const engine::SavedState& saved);
+/// Head of a state of a scene.
+[[nodiscard]] engine::StateHead head_of(const Scene& scene, std::string method);
 
 /// The state that a scene names (state_file). @throws engine::RecordError that begins with the place where it is named
 [[nodiscard]] std::shared_ptr<const engine::SavedState> saved_start(const Scene& scene);
 
-/// Text of the scene that a state was settled with; empty if the state does not contain it.
-[[nodiscard]] std::string_view settled_scene_text(const engine::SavedState& saved);
 /// Elastic energy that a state has in a scene's machine against that in the machine it was settled with: differences by kind, added up,
 /// over the latter. 0 where the state does not contain its scene, or other unknowns than the scene's.
 [[nodiscard]] double start_misfit(const engine::SavedState& saved, const Scene& scene);
@@ -41,10 +35,6 @@ inline constexpr double start_misfit_tolerance = 0.01;
 /// @param settled  settled_layout() of the state
 [[nodiscard]] bool has_coordinates(const engine::SavedState& saved, const std::optional<model::ChainLayout>& settled, const Scene& scene);
 [[nodiscard]] bool start_fits(const engine::SavedState& saved, const Scene& scene);
-/// Attribute of shared states of sweeps: engine::version_text() of the program that settled it.
-inline constexpr std::string_view program_attribute = "program";
-/// Empty if the state does not contain it.
-[[nodiscard]] std::string_view program_of(const engine::SavedState& saved);
 /// Hash of everything that a run depends on which begins with the state.
 [[nodiscard]] std::uint64_t content_hash(const engine::SavedState& saved) noexcept;
 /// @param unfit  unfit_text() of the state that the scene names

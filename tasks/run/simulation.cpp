@@ -264,7 +264,7 @@ bool fits(const Simulation& simulation, const Scene& scene) {
 
 namespace {
 
-constexpr std::int64_t ledger_size = model::loss_kinds + model::work_kinds;
+constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
 
 /// The phase in terms of the present scene: without stick and slip a tip just touches; with them, a start finds which of both.
 [[nodiscard]] model::Phase adopted(std::uint8_t saved, bool stick_slip) {
@@ -276,18 +276,14 @@ constexpr std::int64_t ledger_size = model::loss_kinds + model::work_kinds;
 /// The numbers of a state behind its pulleys: integrals of up to two controllers, hydraulics, ledger.
 struct SavedTail {
     std::size_t integrals, first_order;  ///< first_order: before the ledger
-    bool ledger, fits, has_guides;       ///< has_guides: among the losses of the ledger
+    bool ledger, fits;
 
     /// @param count of all numbers behind the pulleys
-    SavedTail(const engine::SavedState& saved, std::size_t count) {
-        const std::int64_t* size = engine::attribute_value<std::int64_t>(saved.attributes, ledger_size_attribute);
-        has_guides = size != nullptr;
-        const std::size_t of_ledger = ledger_size - (has_guides ? 0 : 1);
-        first_order = count % of_ledger;
-        integrals = first_order % model::hydraulic_unknowns;
-        ledger = count >= of_ledger;
-        fits = integrals <= 2 && count < 2 * of_ledger && (!has_guides || *size == ledger_size);
-    }
+    explicit SavedTail(std::size_t count)
+        : integrals(count % ledger_size % model::hydraulic_unknowns),
+          first_order(count % ledger_size),
+          ledger(count >= ledger_size),
+          fits(integrals <= 2 && count < 2 * ledger_size) {}
 };
 
 /// Links and pulleys must fit; control and ledger, which a saved state may have or lack, continue, or begin at zero if they are new.
@@ -295,7 +291,7 @@ struct SavedTail {
 void take_state(Workspace& w, const Scene& scene, const engine::SavedState& saved, const std::vector<std::string>& differences) {
     const model::ChainLayout& at = w.layout();
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
-    const SavedTail tail(saved, saved.state.size() - std::min(saved.state.size(), mechanical));
+    const SavedTail tail(saved.state.size() - std::min(saved.state.size(), mechanical));
     if (saved.state.size() < mechanical || !tail.fits || saved.phases.size() != w.tips.phases.size()) {
         std::string message = fmt::format("{}start.state: {} contains {} unknowns, this scene has {}", scene.state_place, scene.state_file,
                                           saved.state.size(), at.size());
@@ -310,11 +306,8 @@ void take_state(Workspace& w, const Scene& scene, const engine::SavedState& save
     std::fill_n(std::copy(saved.state.begin(), behind, w.state_to_set()), static_cast<std::size_t>(at.size()) - mechanical, 0.0);
     const std::size_t controllers = static_cast<std::size_t>(at.controls) % model::hydraulic_unknowns;
     std::copy_n(behind, std::min(tail.integrals, controllers), w.state_to_set() + at.control_begin());
-    if (at.ledger && tail.ledger) {
-        const auto ledger = behind + static_cast<std::ptrdiff_t>(tail.first_order);
-        double* const works = std::copy_n(ledger, model::loss_kinds - (tail.has_guides ? 0 : 1), w.state_to_set() + at.ledger_begin());
-        std::copy(saved.state.end() - model::work_kinds, saved.state.end(), works + (tail.has_guides ? 0 : 1));
-    }
+    if (at.ledger && tail.ledger)
+        std::copy_n(behind + static_cast<std::ptrdiff_t>(tail.first_order), ledger_size, w.state_to_set() + at.ledger_begin());
     const bool stick_slip = scene.parameters.detail.stick_slip;
     std::transform(saved.phases.begin(), saved.phases.end(), w.tips.phases.begin(),
                    [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
@@ -329,7 +322,7 @@ void Simulation::begin_with(const engine::SavedState* saved, const model::StartS
         if (!checked_start_ || checked_start_->hash != hash) checked_start_ = {hash, start_misfit(*saved, scene_)};
         if (checked_start_->misfit <= start_misfit_tolerance) {
             take_state(*workspace_, scene_, *saved, start_differences_);
-            part_.begin(saved->time, false, balance_error_ratio_of(*saved));  // inputs and the governor's angle continue from there
+            part_.begin(saved->time, false, saved->balance_error_ratio);  // inputs and the governor's angle continue from there
             return;
         }
         const std::string unfit = unfit_text(checked_start_->misfit);
@@ -353,15 +346,12 @@ std::uint64_t Simulation::hash() const noexcept {
 }
 
 engine::SavedState Simulation::saved_state() const {
-    engine::SavedState saved;
+    engine::SavedState saved{head_of(scene_, std::string(method().name()))};
+    saved.step = step();
+    saved.balance_error_ratio = balance_error_ratio();
     saved.time = time();
     saved.state.assign(workspace_->state(), workspace_->state() + workspace_->layout().size());
     for (const model::Phase phase : workspace_->tips.phases) saved.phases.push_back(static_cast<std::uint8_t>(phase));
-    const std::string text = write_scene(scene_);
-    saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
-    saved.attributes = {{"scene", text}, {"method", method().name()}, {std::string(balance_error_ratio_attribute), balance_error_ratio()}};
-    if (workspace_->layout().ledger) saved.attributes.push_back({std::string(ledger_size_attribute), ledger_size});
-    if (step() > 0.0) saved.attributes.push_back({std::string(step_taken_attribute), step()});
     return saved;
 }
 

@@ -88,9 +88,9 @@ TEST(HostSimulation, RefusesStatesThatAreDamagedOrOfAnotherScene) {
     const State good = simulation.state();
     std::vector<std::byte> bytes(good.bytes().begin(), good.bytes().end());
     bytes[bytes.size() / 2] ^= std::byte{1};
-    EXPECT_EQ(error_of([&] { static_cast<void>(State::from_bytes(bytes)); }), "saved state: it is damaged");
-    EXPECT_EQ(error_of([&] { static_cast<void>(State::from_bytes(std::span(bytes).first(3))); }), "saved state: it is not a state");
-    EXPECT_EQ(error_of([&] { simulation.set_state(State()); }), "saved state: it is not a state");
+    EXPECT_EQ(error_of([&] { static_cast<void>(State::from_bytes(bytes)); }), "saved state: a damaged state: its checksum differs");
+    EXPECT_EQ(error_of([&] { static_cast<void>(State::from_bytes(std::span(bytes).first(3))); }), "saved state: not a state");
+    EXPECT_EQ(error_of([&] { simulation.set_state(State()); }), "saved state: not a state");
     Simulation stiffer(tiny({"tip.hertz=3e10"}));
     EXPECT_EQ(error_of([&] { stiffer.set_state(good); }), "saved state: it belongs to another scene, method or step");
     Simulation elsewhere(tiny({"run.threads=3", "run.until=7 ms", "scene.name=other"}));

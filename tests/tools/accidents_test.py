@@ -17,7 +17,7 @@ from program import (BRIEFLY, BUILD, PROGRAM, SETTLING, TO_BE_ENDED, Program, ca
                      read, with_faults, write, write_sweep)
 
 RIGID = "run tiny -q --until '60 ms' --detail rigid --set run.method=leapfrog-rigid --set 'run.step=2 us' --set run.schedule=serial"
-ON = 'if [ -e r.checkpoint.h5 ]; then "$CVTFLOW" resume r.checkpoint.h5 -q; elif [ ! -e r.h5 ]; then "$CVTFLOW" {} --force; fi'
+ON = 'if [ -e r.checkpoint ]; then "$CVTFLOW" resume r.checkpoint -q; elif [ ! -e r.h5 ]; then "$CVTFLOW" {} --force; fi'
 BATCH = "batch ../sweep.toml -o out --threads 1"
 # Command: its processes, their line, what goes on after an accident.
 RUNS = {"run": f"{TO_BE_ENDED} -o r.h5 --checkpoint-every '5 ms'", "run of rigid pins": f"{RIGID} -o r.h5 --checkpoint-every '20 ms'"}
@@ -295,10 +295,10 @@ SHORT = f"--until '20 us' --step '50 ns' {SETTLING} --set run.schedule=serial"
 CALLS = ("open", "read", "write", "fsync", "rename", "fork")
 # Commands that read and write every kind of file of ours; those behind "resume" only in depth.
 LINES = ("run scene.toml -o new.h5 --checkpoint-every '1 ms'", "batch sweep.toml -o new --threads 1", "check scene.toml",
-         "resume old.checkpoint.h5 -q --set run.max_steps=0", "table old --csv", "info record.h5", "settle scene.toml -q -o new.h5",
+         "resume old.checkpoint -q --set run.max_steps=0", "table old --csv", "info record.h5", "settle scene.toml -q -o new.h5",
          "export record.h5 --csv new.csv", "export-fmu scene.toml -q -o new.fmu")
-READERS = (("record.h5", "info {}"), ("record.h5", "plot {} slip -o p.csv --force"), ("state.h5", "check tiny --set start.state={}"),
-           ("old.checkpoint.h5", "resume {} -q -o none"), ("old/results.csv", "table {}"))
+READERS = (("record.h5", "info {}"), ("record.h5", "plot {} slip -o p.csv --force"), ("a.state", "check tiny --set start.state={}"),
+           ("old.checkpoint", "resume {} -q -o none"), ("old/results.csv", "table {}"))
 
 
 def results(line, out):
@@ -315,7 +315,7 @@ class FailingCalls(Program):
                             'ramp_time = "10 us"\n[run]\nuntil = "20 us"\nstep = "50 ns"\nmethod = "rk4"\n')
         self.cvtflow(f"run tiny -q -o record.h5 {SHORT}")
         self.cvtflow(f"run tiny -q -o old.h5 --checkpoint-every '1 h' --set run.max_steps=50 {SHORT}", 4)
-        self.cvtflow("settle tiny -q -o state.h5 --time 20us --set start.ramp_time=10us")
+        self.cvtflow("settle tiny -q -o a.state --time 20us --set start.ramp_time=10us")
         write_sweep("6", "20 us")
         self.batch("-q", folder="old")
 

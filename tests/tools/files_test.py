@@ -14,12 +14,12 @@ from program import BUILD, FAULTS, PROGRAM, SETTLING, SOURCE, Program, depth, ma
 RUN = f"-q --until '40 us' --step '50 ns' {SETTLING}"
 SETTLE = "settle tiny -q --time 20us --set start.ramp_time=10us"
 TUNE = "tune tiny -q --accuracy '5 %' --outputs slip --budget '10 s' --write t.toml"
-RESUME = "resume k.checkpoint.h5 -q --set run.max_steps=0"
+RESUME = "resume k.checkpoint -q --set run.max_steps=0"
 # Kinds of files, and the original of which each is a copy; None: it is made.
-KINDS = {"CSV": "numbers.csv", "FIFO": None, "checkpoint": "k.checkpoint.h5", "folder": None, "foreign .part": "foreign.h5",
+KINDS = {"CSV": "numbers.csv", "FIFO": None, "checkpoint": "k.checkpoint", "folder": None, "foreign .part": "foreign.h5",
          "foreign record": "foreign.h5", "link": None, "link .part": None, "own .part": "own.h5", "own record": "own.h5",
          "page": "page.html",
-         "picture": "picture.svg", "read-only": "notes.txt", "scene": "scene.toml", "state": "state.h5", "table": "first/results.csv",
+         "picture": "picture.svg", "read-only": "notes.txt", "scene": "scene.toml", "state": "a.state", "table": "first/results.csv",
          "text": "notes.txt"}
 
 
@@ -40,8 +40,8 @@ WRITERS = (
     _Writer("run", f"run tiny {RUN}", "results/tiny.h5", COMPLETE),
     _Writer("run --checkpoint", f"run tiny -o t.h5 --checkpoint-every '1 us' --checkpoint c.h5 {RUN}", "c.h5"),
     _Writer("settle -o", f"{SETTLE} -o t.h5", "t.h5"),
-    _Writer("settle", SETTLE, "tiny_state.h5"),
-    _Writer("resume -o", "resume k.checkpoint.h5 -q -o t.h5", "t.h5"),
+    _Writer("settle", SETTLE, "tiny.state"),
+    _Writer("resume -o", "resume k.checkpoint -q -o t.h5", "t.h5"),
     _Writer("report -o", "report own.h5 -o t.html", "t.html"),
     _Writer("report", "report own.h5", "own.html"),
     _Writer("report of a sweep", "report first", "first/report.html"),
@@ -58,7 +58,7 @@ WRITERS = (
     _Writer("batch, sweep", "batch sweep.toml -q -o out", "out/sweep.toml"),
     _Writer("batch, records", "batch recorded.toml -q -o out --threads 1", "out/records/case-000000.h5"),
     _Writer("tune --write", TUNE, "t.toml"),
-    _Writer("tune --write, state", TUNE, "t.h5"),
+    _Writer("tune --write, state", TUNE, "t.state"),
     _Writer("tune --write, picture", TUNE, "t.svg"),
 )
 
@@ -74,7 +74,7 @@ def files(folder="."):
 
 
 class _Files(Program):
-    """Has own.h5 and foreign.h5 (records of tiny and of another scene), own's page.html and picture.svg, state.h5, k.h5 with its
+    """Has own.h5 and foreign.h5 (records of tiny and of another scene), own's page.html and picture.svg, a.state, k.h5 with its
     checkpoint, first/ (a finished sweep), sweep.toml (another) and recorded.toml (with records), scene.toml, numbers.csv, notes.txt."""
 
     def make(self):
@@ -85,7 +85,7 @@ class _Files(Program):
         write("notes.txt", "mine\n")
         write_sweep("6", "20 us")
         for line in (f"run tiny -o own.h5 {RUN}", f"run tiny -o foreign.h5 --set scene.name=other {RUN}", "report own.h5 -o page.html",
-                     "plot own.h5 slip -o picture.svg", f"{SETTLE} -o state.h5", "batch sweep.toml -q -o first"):
+                     "plot own.h5 slip -o picture.svg", f"{SETTLE} -o a.state", "batch sweep.toml -q -o first"):
             self.cvtflow(line)
         self.cvtflow(f"run tiny -o k.h5 --checkpoint-every '1 h' --set run.max_steps=500 {RUN}", 4)
         write_sweep("7", "20 us")
@@ -176,9 +176,9 @@ class Replacement(_Files):
         """--force replaces other files, and no input under whatever name, nor what a run needs for itself."""
         for name in ("drive.csv", "drive.toml"):
             shutil.copy(f"{SOURCE}/scenes/{name}", name)
-        for old, new in (("scene.toml", "same.toml"), ("state.h5", "d.h5.part"), ("notes.txt", "b.h5.part")):
+        for old, new in (("scene.toml", "same.toml"), ("a.state", "d.h5.part"), ("notes.txt", "b.h5.part")):
             os.link(old, new)
-        by_state, scene = "--set start.state=state.h5", "run scene.toml -q"
+        by_state, scene = "--set start.state=a.state", "run scene.toml -q"
         checkpoint = f"{scene} --checkpoint-every '1 h' -o r.h5 --checkpoint"
         replaced, needed = ": cannot create: it would replace the input ", ": the run needs that name for its record r.h5"
         before = files()
@@ -192,11 +192,11 @@ class Replacement(_Files):
                 (f"{scene} -o b.h5", "b.h5.part: cannot create: File exists"),
                 (f"{scene} {by_state} -o d.h5", "d.h5: cannot create: its .part would replace the input "),
                 (f"run drive.toml -o drive.csv {RUN}", f"drive.csv{replaced}"),
-                (f"run tiny -o state.h5 {RUN} {by_state}", f"state.h5{replaced}"),
-                (f"settle tiny -o state.h5 -q {by_state}", f"state.h5{replaced}"),
-                ("resume k.checkpoint.h5 -q -o k.checkpoint.h5", f"k.checkpoint.h5{replaced}k.checkpoint.h5"),
-                (f"export-fmu tiny -o state.h5 -q {by_state}", f"state.h5{replaced}"),
-                (f"tune tiny -q --accuracy '5 %' --write state.toml {by_state}", f"state.h5{replaced}"),
+                (f"run tiny -o a.state {RUN} {by_state}", f"a.state{replaced}"),
+                (f"settle tiny -o a.state -q {by_state}", f"a.state{replaced}"),
+                ("resume k.checkpoint -q -o k.checkpoint", f"k.checkpoint{replaced}k.checkpoint"),
+                (f"export-fmu tiny -o a.state -q {by_state}", f"a.state{replaced}"),
+                (f"tune tiny -q --accuracy '5 %' --write a.toml {by_state}", f"a.state{replaced}"),
                 ("report own.h5 -o own.h5", f"own.h5{replaced}"),
                 ("report first -o first/results.csv", f"first/results.csv{replaced}"),
                 ("export own.h5 --csv own.h5", f"own.h5{replaced}"),
@@ -228,8 +228,8 @@ class Replacement(_Files):
         self.assertEqual(self.err(f"run tiny {RUN}"), "cvtflow: results/tiny.h5.part: already exists, left by a command that was "
                                                       "killed (cvtflow info shows the rows of a run); --force replaces it\n")
         self.assertEqual(files(), before)
-        shutil.copy("k.checkpoint.h5", "results/tiny.checkpoint.h5")
-        self.has(self.err(f"run tiny {RUN}"), ": the checkpoint of an unfinished run; cvtflow resume results/tiny.checkpoint.h5 continues "
+        shutil.copy("k.checkpoint", "results/tiny.checkpoint")
+        self.has(self.err(f"run tiny {RUN}"), ": the checkpoint of an unfinished run; cvtflow resume results/tiny.checkpoint continues "
                                               "it, --force starts again\n")
         self.cvtflow(f"run tiny --force {RUN}")
         self.assertEqual(os.listdir("results"), ["tiny.h5"])
@@ -249,16 +249,16 @@ class Replacement(_Files):
         self.cvtflow(f"{RESUME} -o none")
         self.kept(before, "the checkpoint")
         self.cvtflow(RESUME)
-        self.assertFalse(os.path.exists("k.checkpoint.h5"))
+        self.assertFalse(os.path.exists("k.checkpoint"))
 
     def test_gives_names_with_dots_side_files_of_their_name(self):
         for name in ("run_0.1", "run_0.2"):
             self.cvtflow(f"run tiny -o {name} --checkpoint-every '1 h' --set run.max_steps=500 {RUN}", 4)
             self.cvtflow(f"report {name}")
             self.cvtflow(f"plot {name} slip")
-            self.assertTrue(all(os.path.exists(name + ending) for ending in (".checkpoint.h5", ".html", ".svg")), name)
-        self.cvtflow("resume run_0.1.checkpoint.h5 -q --set run.max_steps=0")
-        self.assertTrue(os.path.exists("run_0.2.checkpoint.h5"))
+            self.assertTrue(all(os.path.exists(name + ending) for ending in (".checkpoint", ".html", ".svg")), name)
+        self.cvtflow("resume run_0.1.checkpoint -q --set run.max_steps=0")
+        self.assertTrue(os.path.exists("run_0.2.checkpoint"))
 
     def test_waits_for_no_pipe(self):
         os.makedirs("a/b/c")

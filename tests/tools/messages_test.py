@@ -54,7 +54,7 @@ IN_SCENES = (
     ("check no_executor.toml", 1,
      "no_executor.toml:3:12: run.schedule: unknown executor 'flwo' (did you mean \"flow\"?) (cvtflow list executors; or auto)"),
     ("check no_estimate.toml", 1, f'no_estimate.toml:3:16: {ESTIMATE}\ncvtflow: no_estimate.toml:5:8: chain.pins: "x" is not an integer'),
-    ("check text_state.toml", 1, "text_state.toml:2:9: start.state: FOLDER/text.h5: not an HDF5 file"),
+    ("check text_state.toml", 1, "text_state.toml:2:9: start.state: FOLDER/text.h5: not a state"),
     ("run no_state.toml", 1, 'no_state.toml:2:9: start.state: no file "gone.h5"'),
     ("settle free_ring", 1, 'free_ring: nothing to settle: start.layout is "ring" or start.settling_time is 0'),
     ("run tiny --until stedy", 2, '--until stedy: "stedy" is neither a quantity nor "steady" (did you mean "steady"?)'),
@@ -125,22 +125,21 @@ IN_FILES = (
     ("check /dev/zero", 1, "/dev/zero: cannot be read: not a regular file"),
     ("batch /dev/zero -o sweep", 1, "/dev/zero: cannot be read: not a regular file"),
     ("check large.toml", 1, "large.toml: cannot be read: 70000000 bytes, more than the 4194304 that such a file may have"),
-    ("info other.h5", 1, "other.h5: an HDF5 file, but neither a record nor a state of cvtflow"),
+    ("info other.h5", 1, "other.h5: an HDF5 file, but not a record of a run"),
     ("info cut_record.h5", 1, "cut_record.h5: truncated HDF5 file: 2000 bytes of {record}"),
-    ("info cut_state.h5", 1, "cut_state.h5: truncated HDF5 file: 2000 bytes of {state}"),
+    ("info cut.state", 1, "cut.state: a damaged state: its checksum differs"),
     ("table text.h5", 1, "text.h5: not a sweep's table as cvtflow table --csv prints it"),
     ("resume nothing.h5", 1, "nothing.h5: No such file or directory"),
-    ("resume state.h5", 1, "state.h5: a state file, not a checkpoint: it has no fields"),
+    ("resume a.state", 1, "a.state: a state, but not a checkpoint: it has no valid field 'started'"),
     ("resume folder", 1, "folder: contains no sweep"),
     *((f"{command} {'a' * 300}", 1, "a" * 300 + ": File name too long") for command in ("table", "resume")),
     ("run tiny --set start.state=gone.h5", 2, '--set start.state=gone.h5: start.state: no file "gone.h5"'),
-    ("run tiny --set start.state=text.h5", 1, "--set start.state=text.h5: start.state: FOLDER/text.h5: not an HDF5 file"),
-    ("run tiny --set start.state=cut_state.h5", 1,
-     "--set start.state=cut_state.h5: start.state: FOLDER/cut_state.h5: truncated HDF5 file: 2000 bytes of {state}"),
-    ("run tiny --set start.state=record.h5", 1,
-     "--set start.state=record.h5: start.state: FOLDER/record.h5: an HDF5 file, but not a state file (it is a record of a run)"),
-    *((f"{command} tiny --set start.state=state.h5 --set detail.pulleys=rigid", 1,
-       "--set start.state=state.h5: start.state: FOLDER/state.h5 contains 1032 unknowns, this scene has 968\n"
+    ("run tiny --set start.state=text.h5", 1, "--set start.state=text.h5: start.state: FOLDER/text.h5: not a state"),
+    ("run tiny --set start.state=cut.state", 1,
+     "--set start.state=cut.state: start.state: FOLDER/cut.state: a damaged state: its checksum differs"),
+    ("resume record.h5", 1, "record.h5: an HDF5 file, not a state; if it is one of version 0.4, settle or run again"),
+    *((f"{command} tiny --set start.state=a.state --set detail.pulleys=rigid", 1,
+       "--set start.state=a.state: start.state: FOLDER/a.state contains 1032 unknowns, this scene has 968\n"
        '  detail.pulleys = "rigid", settled with "elastic"') for command in ("run", "check")),
 )
 OF_PLACES = (  # before the work
@@ -172,15 +171,15 @@ class Errors(Program):
         os.mkdir("folder")
         h5py.File("other.h5", "w").close()
         self.cvtflow(f"run {BRIEFLY} -q -o record.h5")
-        self.cvtflow("settle tiny -q -o state.h5 --time 20us --set start.ramp_time=10us")
-        for name in ("record", "state"):
-            Path(f"cut_{name}.h5").write_bytes(Path(f"{name}.h5").read_bytes()[:2000])
+        self.cvtflow("settle tiny -q -o a.state --time 20us --set start.ramp_time=10us")
+        for name, cut in (("record.h5", "cut_record.h5"), ("a.state", "cut.state")):
+            Path(cut).write_bytes(Path(name).read_bytes()[:2000])
 
     def expect(self, mistakes, program="cvtflow"):
         """All of stderr, without the last line break; FOLDER represents the working directory."""
         if not os.path.exists("pipe"):
             os.mkfifo("pipe")  # which cannot be copied
-        sizes = {name: os.path.getsize(f"{name}.h5") - 32 for name in ("record", "state")}  # without the seal
+        sizes = {"record": os.path.getsize("record.h5") - 32}  # without the seal
         for line, status, message in mistakes:
             with self.subTest(line):
                 message = re.sub(r"\{(record|state)\}", lambda found: str(sizes[found[1]]), message).replace("FOLDER", os.getcwd())

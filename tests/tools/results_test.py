@@ -27,8 +27,8 @@ class Info(Program):
         self.cvtflow(f"run {BRIEFLY} -q -o given.h5")
         self.assertAlmostEqual(attribute("given.h5", "step_taken"), 50e-9, delta=1e-12)
         self.has(self.out("info given.h5"), "step 50 ns, seed 0\n")
-        self.cvtflow(f"settle tiny -q -o state.h5 {SETTLED}")
-        self.matches(self.out("info state.h5"), r"rk4 with step auto \([0-9.]+ ns\), 1 ms of settling\n")
+        self.cvtflow(f"settle tiny -q -o a.state {SETTLED}")
+        self.matches(self.out("info a.state"), r"rk4 with step auto \([0-9.]+ ns\), 1 ms of settling\n")
         with h5py.File("auto.h5", "r+") as file:  # of an earlier program
             del file.attrs["step_taken"]
         self.has(self.out("info auto.h5"), "leapfrog-sweep, step auto, seed 0\n")

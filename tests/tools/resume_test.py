@@ -32,17 +32,17 @@ class Resume(Program):
             for _ in range(1 + (name in ("SIGXCPU", "SIGPIPE"))):  # they come again, which is no insisting
                 child.send_signal(getattr(signal, name))
             self.assertTrue(self.wait(child, STOPPED).out.startswith("tiny: stopped: cancelled at t = "), name)
-            self.assertEqual((has("cut.checkpoint.h5"), has("cut.h5.part")), (True, False), name)
+            self.assertEqual((has("cut.checkpoint"), has("cut.h5.part")), (True, False), name)
             self.assertTrue(attribute("cut.h5", "status").startswith("cancelled at t = "), name)
             self.cvtflow("info cut.h5")
-            self.cvtflow("resume cut.checkpoint.h5 tiny -q --set start.settling_time=100us", 1)
-            self.cvtflow("resume cut.checkpoint.h5 -q")
+            self.cvtflow("resume cut.checkpoint tiny -q --set start.settling_time=100us", 1)
+            self.cvtflow("resume cut.checkpoint -q")
             self.same("whole.h5", "cut.h5")
             os.remove("cut.h5")
 
     def test_a_limit_of_processor_time_leaves_a_checkpoint(self):
         self.shell('ulimit -S -t 1; "$CVTFLOW" run tiny -o r.h5 -q --until 1s --set run.schedule=serial --checkpoint-every 1h', STOPPED)
-        self.assertTrue(has("r.checkpoint.h5"))
+        self.assertTrue(has("r.checkpoint"))
 
     def test_a_hangup_that_is_ignored_stays_ignored(self):
         before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # inherited by the child
@@ -70,47 +70,47 @@ class Resume(Program):
             self.cvtflow(f"run {scene} -o whole.h5 --force")
             for steps in cuts:
                 self.cvtflow(f"run {scene} -o cut.h5 --force --checkpoint-every '1 h' --set run.max_steps={steps}", 4)
-                self.cvtflow("resume cut.checkpoint.h5 -q --set run.max_steps=0")
+                self.cvtflow("resume cut.checkpoint -q --set run.max_steps=0")
                 self.same("whole.h5", "cut.h5")
 
     def test_refuses_another_scene_and_names_the_difference(self):
         self.cvtflow(f"{TO_BE_ENDED} -o whole.h5")
         self.cvtflow(f"{TO_BE_ENDED} -o cut.h5 --until '20 us'")
         self.cvtflow(f"{TO_BE_ENDED} -o cut.h5 --force {BUDGET}", 4)  # is to replace another
-        before = Path("cut.checkpoint.h5").read_bytes()
-        self.has(self.err("resume cut.checkpoint.h5 --set 'tip.radius=2 m' --set run.method=dumka3-p4"),
-                 "cut.checkpoint.h5: not a checkpoint of this scene:\n  tip.radius = 2, the checkpoint has ",
+        before = Path("cut.checkpoint").read_bytes()
+        self.has(self.err("resume cut.checkpoint --set 'tip.radius=2 m' --set run.method=dumka3-p4"),
+                 "cut.checkpoint: not a checkpoint of this scene:\n  tip.radius = 2, the checkpoint has ",
                  '\n  run.method = "dumka3-p4", the checkpoint has "rk4"\n')
-        self.assertEqual(Path("cut.checkpoint.h5").read_bytes(), before)
-        self.cvtflow("resume cut.checkpoint.h5 -q --set run.max_steps=0")
+        self.assertEqual(Path("cut.checkpoint").read_bytes(), before)
+        self.cvtflow("resume cut.checkpoint -q --set run.max_steps=0")
         self.same("whole.h5", "cut.h5")
 
     def test_refuses_a_record_whose_rows_have_changed(self):
         child = self.start(f"{TO_BE_ENDED} -o cut.h5 --until '1 ms' --checkpoint-every '5 ms'")
-        self.ended_when(child, lambda: has("cut.checkpoint.h5") and rows_of("cut.h5.part") > 5, signal.SIGINT, STOPPED)
+        self.ended_when(child, lambda: has("cut.checkpoint") and rows_of("cut.h5.part") > 5, signal.SIGINT, STOPPED)
         changed = bytearray(Path("cut.h5").read_bytes()[:-32])  # without its seal, as if it had been killed
         changed[changed.rindex(channel("cut.h5", "time")[-1].tobytes())] ^= 1  # before it, what the chunk was when it grew
         Path("cut.h5").write_bytes(changed)
-        self.matches(self.err("resume cut.checkpoint.h5 -q"),
+        self.matches(self.err("resume cut.checkpoint -q"),
                      "cut.h5: cannot read '/(channels|states)/time': data error detected by Fletcher32 checksum")
         self.assertEqual((Path("cut.h5").read_bytes(), has("cut.h5.part.part")), (changed, False), "nothing is lost")
 
     def test_leaves_no_half_written_checkpoint_behind(self):
-        self.cvtflow("settle tiny -q -o state.h5 --time 20us --set start.ramp_time=10us")
-        Path("cut.checkpoint.h5.part").write_bytes(Path("state.h5").read_bytes()[:4000])  # what a kill left
+        self.cvtflow("settle tiny -q -o a.state --time 20us --set start.ramp_time=10us")
+        Path("cut.checkpoint.part").write_bytes(Path("a.state").read_bytes()[:4000])  # what a kill left
         self.cvtflow(f"{TO_BE_ENDED} -o cut.h5 --checkpoint-every '1 h'")
-        self.assertFalse(has("cut.checkpoint.h5.part"))
+        self.assertFalse(has("cut.checkpoint.part"))
 
 
 class ForeignCheckpoint(Program):
     def make(self):
         os.mkdir("theirs")
         self.cvtflow(f"{TO_BE_ENDED} -o theirs/sent.h5 {BUDGET}", 4)
-        os.rename("theirs/sent.checkpoint.h5", "mine.checkpoint.h5")
+        os.rename("theirs/sent.checkpoint", "mine.checkpoint")
 
     def test_replaces_the_finished_record_of_another_run_only_with_force(self):
         self.cvtflow(f"{TO_BE_ENDED} -o other.h5")
-        other, line = Path("other.h5").read_bytes(), "resume mine.checkpoint.h5 -q -o other.h5 --set run.max_steps=0"
+        other, line = Path("other.h5").read_bytes(), "resume mine.checkpoint -q -o other.h5 --set run.max_steps=0"
         self.assertEqual(self.err(line), "cvtflow: other.h5: already exists; --force replaces it\n")
         self.assertEqual(Path("other.h5").read_bytes(), other)
         self.cvtflow(f"{line} --force")

@@ -90,21 +90,21 @@ class Run(Program):
             self.assertTrue(attribute(f"r{status}.h5", "status").startswith(said))
             self.assertNotEqual(attribute(f"r{status}.h5", "status"), "finished")
         self.cvtflow("settle tiny -q --set run.max_steps=10", 4)
-        self.assertFalse(os.path.exists("tiny_state.h5"))
+        self.assertFalse(os.path.exists("tiny.state"))
 
     def test_begins_with_the_state_file_of_its_scene_where_that_fits(self):
-        self.cvtflow("settle tiny -q -o state.h5 --time 20us --set start.ramp_time=10us")
+        self.cvtflow("settle tiny -q -o a.state --time 20us --set start.ramp_time=10us")
         text = read(f"{SOURCE}/scenes/tiny.toml").replace('settling_time = "10 ms"', 'settling_time = "20 us"')
-        text = text.replace('ramp_time = "5 ms"', 'ramp_time = "10 us"\nstate = "state.h5"').replace('until = "1 ms"', 'until = "20 us"')
+        text = text.replace('ramp_time = "5 ms"', 'ramp_time = "10 us"\nstate = "a.state"').replace('until = "1 ms"', 'until = "20 us"')
         write("settled.toml", text)
         self.lacks(self.err("run settled.toml", 0), "settling")
-        self.has(self.out("check settled.toml"), f"state file {os.getcwd()}/state.h5")
+        self.has(self.out("check settled.toml"), f"state file {os.getcwd()}/a.state")
         other = self.cvtflow("run settled.toml --detail rigid --force")
-        self.assertTrue(other.err.startswith(f'cvtflow: detail.pins = "rigid" (was "halves"): the state in {os.getcwd()}/state.h5 no '
+        self.assertTrue(other.err.startswith(f'cvtflow: detail.pins = "rigid" (was "halves"): the state in {os.getcwd()}/a.state no '
                                              f'longer fits; '
                                              "the run settles again\n"), other.err)
         self.has(other.out, "\n  settled ")
-        os.remove("state.h5")
+        os.remove("a.state")
         self.cvtflow("run settled.toml", 1)
         self.has(self.out("run settled.toml --settle --force"), "\n  settled ")
 
@@ -121,7 +121,7 @@ class Run(Program):
         self.cvtflow(f"{line} -o parallel.h5 --threads 2 --set run.schedule=flow")
         self.cvtflow(f"{line} -o cut.h5 --checkpoint-every '1 h' --set run.max_steps=40", 4)
         os.remove("load.csv")
-        self.cvtflow("resume cut.checkpoint.h5 -q --set run.max_steps=0")
+        self.cvtflow("resume cut.checkpoint -q --set run.max_steps=0")
         self.assertEqual(len({attribute(f"{name}.h5", "state_hash") for name in ("whole", "parallel", "cut")}), 1)
         self.has(self.out("info cut.h5"), "tips/radial_force")
 
@@ -181,8 +181,8 @@ class RigidPins(Program):
         self.assertEqual(attribute("rigid.h5", "status"), "finished")
         for line in ("report rigid.h5", "plot rigid.h5 -o rigid.svg", "export rigid.h5 --vtk solids.pvd"):
             self.cvtflow(line)
-        self.cvtflow(f"settle tiny -q -o state.h5 --time '1 ms' --set start.ramp_time=1ms {self.LEVEL}")
-        self.cvtflow(f"run tiny -q -o again.h5 --set start.state=state.h5 {self.LEVEL} {self.BRIEF}")
+        self.cvtflow(f"settle tiny -q -o a.state --time '1 ms' --set start.ramp_time=1ms {self.LEVEL}")
+        self.cvtflow(f"run tiny -q -o again.h5 --set start.state=a.state {self.LEVEL} {self.BRIEF}")
         self.matches(self.out(f"run tiny --detail rigid --method auto --until '1 ms' -o none {self.BRIEF.partition('--set')[1]} "
                               "start.settling_time=1ms --set start.ramp_time=0.5ms"),
                      "  transitions         [1-9][0-9]* detected, 0 steps truncated, 0 suppressed")

@@ -130,7 +130,7 @@ class Points:
                 found, scene = "", scene.with_("start.state=")
             if not found and not self._settles and scene["start.layout"] == "belt" and scene["start.settling_time"] > 0.0:
                 sweep = {"axes": [{"key": "run.until", "values": [1e-5]}], "outputs": {"scalars": ["tight_tension mean"]}}
-                found = str(next(self._swept(scene, sweep | {"start": {"mode": "shared"}}).rglob("*.h5"), ""))
+                found = str(next(self._swept(scene, sweep | {"start": {"mode": "shared"}}).rglob("*.state"), ""))
             self._states[choice.detail] = "" if self._settles else found
         return self._states[choice.detail]
 

@@ -54,7 +54,7 @@ def tuned(scene: Scene, settings: Settings, folder: str, say: Callable[[str], An
     except (ValueError, KeyError, TypeError, Error):
         pass  # none, or a damaged one
     with _tune.points_of(scene, settings, say=say) as points:
-        found, wall = settled_on(points, settings, scene, place + ".h5")
+        found, wall = settled_on(points, settings, scene, place + ".state")
     with contextlib.suppress(OSError):  # the next time it is measured again
         replace(place + ".json", json.dumps({"scene": found.scene.text, "choice": found.choice, "error": found.error}).encode())
     return found, wall

@@ -58,7 +58,7 @@ def tune(path, folder, threads=0, say=lambda text: None):
         if os.path.exists(os.path.join(folder, "sweep.json")):
             raise StateError(f"{folder}: results of another sweep; use another folder (-o)")
         with _points(scene, sweep, "corners", say, threads) as points:
-            found, wall = _tuning.settled_on(points, settings, scene, os.path.join(folder, "tuned.h5"))
+            found, wall = _tuning.settled_on(points, settings, scene, os.path.join(folder, "tuned.state"))
         known = {"key": key, "name": name, "scene": scene.text, "sweep": sweep, "target": settings.accuracy, "choice": found.choice,
                  "at_corners": found.error, "scalars": sweep["outputs"]["scalars"], "errors": {}}
         text = _tune.file_text({section: values for section, values in sweep.items() if section != "accuracy"}, scene="tuned.scene.toml", name=name)

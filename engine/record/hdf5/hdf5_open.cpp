@@ -56,7 +56,7 @@ Handle open_closed_or_live(const std::string& path) {
 /// Name of a file of that format in messages.
 std::string name_of_kind(const std::string& format) {
     if (format == "cvtflow run") return "record of a run";
-    if (format == "cvtflow state") return "state file";
+    if (format == "cvtflow state") return "state of version 0.4: settle or run again";
     if (format == "cvtflow cases") return "table of a sweep's results";
     if (format == "cvtflow checkpoint") return "checkpoint";
     return "file of format '" + format + "'";
@@ -96,7 +96,6 @@ OpenFile open_input(const std::string& path, const FileKind& kind) {
         throw_unreadable(path, failure.what());
     }
     guarded(path, [&] { require_kind(open.file.id(), path, kind); });
-    if (kind.always_sealed && !open.sealed) throw_damaged(path, "no seal: changed after it was finished, or truncated");
     return open;
 }
 
@@ -113,7 +112,7 @@ OpenFile open_for_reading(const std::string& path, const FileKind& kind) {
 }
 
 std::string format_of(const std::string& path) {
-    const OpenFile open = open_for_reading(path, {nullptr, 0, false});
+    const OpenFile open = open_for_reading(path, {nullptr, 0});
     return guarded(path, [&] { return read_text(open.file.id(), "format"); });
 }
 

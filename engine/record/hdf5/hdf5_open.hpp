@@ -12,7 +12,6 @@ namespace cvtflow::engine::hdf5 {
 struct FileKind {
     const char* format;    ///< required value of the attribute `format`, e.g. "cvtflow run"; nullptr: any
     std::int64_t version;  ///< newest `format_version` that can be read
-    bool always_sealed;    ///< written at once: without a seal it is damaged
 };
 
 struct OpenFile {

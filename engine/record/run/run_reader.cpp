@@ -9,6 +9,7 @@
 #include "engine/record/hdf5/hdf5_series.hpp"
 #include "engine/record/run/part_file.hpp"
 #include "engine/record/run/run_layout.hpp"
+#include "engine/record/run/state_file.hpp"
 
 namespace cvtflow::engine {
 namespace {
@@ -98,7 +99,7 @@ struct RunReader::Impl {
 
 RunReader::RunReader(const std::string& path)
     : path_(path),
-      impl_(new Impl{hdf5::open_for_reading(path, {hdf5::run_format, hdf5::run_format_version, false})}),
+      impl_(new Impl{hdf5::open_for_reading(path, {hdf5::run_format, hdf5::run_format_version})}),
       sealed_(impl_->opened.sealed) {
     hdf5::guarded(path_, [this] {
         const hid_t file = impl_->file;
@@ -152,6 +153,25 @@ std::vector<double> RunReader::last(std::string_view name) const {
 std::vector<double> RunReader::state_times() const {
     if (states_ == 0) return {};
     return hdf5::guarded(path_, [&] { return read_reals(impl_->file, "/states/time", 0, states_); });
+}
+
+SavedState last_state_of_record(const std::string& path) {
+    const RunReader run(path);
+    SavedState saved;
+    const auto text = [&](const char* name) {
+        const auto* found = attribute_value<std::string>(run.attributes(), name);
+        return found == nullptr ? std::string() : *found;
+    };
+    const auto number = [&](const char* name) {
+        const auto* found = attribute_value<double>(run.attributes(), name);
+        return found == nullptr ? 0.0 : *found;
+    };
+    saved.program = text("program_version"), saved.method = text("method"), saved.scene = text("parameters");
+    saved.step = number("step_taken"), saved.balance_error_ratio = number("energy_error_ratio");
+    const std::size_t states = run.state_times().size();
+    RecordedState last = run.state(states == 0 ? 0 : states - 1);
+    saved.time = last.time, saved.state = std::move(last.state), saved.phases = std::move(last.phases);
+    return saved;
 }
 
 std::vector<std::vector<double>> RunReader::table(std::string_view name) const {

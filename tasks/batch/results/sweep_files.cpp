@@ -13,20 +13,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether a file has a name of ours and, if it is not empty, is a state.
+/// Whether a file has a name of ours and is a state.
 auto states_named(const char* pattern, const Sweep& sweep) {
     return [names = std::regex(pattern), inputs = input_files(sweep.scene)](const fs::path& file) {
         std::error_code absent;
         const auto is_input = [&](const fs::path& input) { return !input.empty() && fs::equivalent(file, input, absent) && !absent; };
         if (!std::regex_match(file.filename().string(), names) || std::any_of(inputs.begin(), inputs.end(), is_input)) return false;
-        return fs::file_size(file, absent) == 0 || engine::is_state_file(file.string());
+        return engine::is_state_file(file.string());
     };
 }
 
 }  // namespace
 
 std::string case_file(const fs::path& folder, std::string_view kind, long number) {
-    return (folder / fmt::format("{}-{:06}.h5", kind, number)).string();
+    return (folder / fmt::format("{}-{:06}.{}", kind, number, kind == "end" ? "state" : "h5")).string();
 }
 
 engine::OutputFile case_record(const std::string& file, const Scene& of_case) {
@@ -38,7 +38,7 @@ engine::OutputFile case_record(const std::string& file, const Scene& of_case) {
 }
 
 void remove_ends(const fs::path& continuation, const Sweep& sweep, long strand) {
-    const auto is_end = states_named(R"(end-\d{6,}\.h5(\.part)?)", sweep);
+    const auto is_end = states_named(R"(end-\d{6,}\.state(\.part)?)", sweep);
     std::error_code ignored;
     std::vector<fs::path> files;
     for (const fs::directory_entry& entry : fs::directory_iterator(continuation, ignored)) {

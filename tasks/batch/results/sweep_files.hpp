@@ -14,7 +14,7 @@ namespace cvtflow::tasks {
 /// Advice in messages about files that are in the way.
 inline constexpr const char* remove_by_hand = "move it away, or name another folder";
 
-/// File of a case in a folder, "case-000012.h5".
+/// File of a case in a folder, "case-000012.h5" or "end-000012.state".
 [[nodiscard]] std::string case_file(const std::filesystem::path& folder, std::string_view kind, long number);
 /// The record of a case. Replaces one of the same case, and what a killed writer left of it.
 [[nodiscard]] engine::OutputFile case_record(const std::string& file, const Scene& of_case);

@@ -177,20 +177,6 @@ TEST_F(SavedStates, TakeAnotherNumberOfControllersWithOrWithoutALedger) {
     }
 }
 
-/// A state of release 0.3.0, whose ledger had no loss of guides: with one controller it has as many numbers behind the pulleys as one
-/// without any has now.
-TEST_F(SavedStates, TakeALedgerFromBeforeGuides) {
-    for (const char* driven : {"none", "safety"}) {
-        const Scene scene = tiny_scene({"control.enabled=true", std::string("control.driven=") + driven, "record.ledger=true"});
-        const auto simulation = saved(scene, 1e-5);
-        engine::SavedState old = simulation->saved_state();
-        ASSERT_EQ(std::erase_if(old.attributes, [](const auto& each) { return each.name == ledger_size_attribute; }), 1u);
-        old.state.erase(old.state.begin() + simulation->workspace().layout().ledger_begin() + static_cast<int>(model::Loss::guide));
-        engine::write_state(file_.path(), old);
-        EXPECT_EQ(state_of(Simulation(begun(scene))), state_of(*simulation));
-    }
-}
-
 TEST_F(SavedStates, HaveStickAndSlipTranslated) {
     for (const bool had : {false, true}) {
         static_cast<void>(saved(tiny_scene({had ? "detail.stick_slip=true" : "detail.stick_slip=false"})));

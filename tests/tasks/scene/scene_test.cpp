@@ -161,7 +161,11 @@ TEST(SetValues, TheLastOfTwoSettingsOfAKeyCounts) {
 
 TEST(KeptState, IsReadOnceForAllCopiesAndAnewWhereTheFileIsAnotherOne) {
     const tests::TemporaryFile file("kept");
-    const auto write = [&](double value) { engine::write_state(file.path(), {.state = {value}}); };
+    const auto write = [&](double value) {
+        engine::SavedState saved;
+        saved.state = {value};
+        engine::write_state(file.path(), saved);
+    };
     const KeptState kept;
     write(1.0);
     const auto first = kept.read(file.path());

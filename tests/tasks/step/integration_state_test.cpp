@@ -83,7 +83,7 @@ Course from_file_to_file(const Scene& scene, int segments) {
         Checkpoint checkpoint;
         checkpoint.integration = simulation.integration_state();
         sign(checkpoint, here, simulation.workspace().variator);
-        write_checkpoint(file, checkpoint);
+        engine::write_state(file, checkpoint);
         const Checkpoint read = read_checkpoint(file);
         require_same(file, read, here, simulation.workspace().variator);
         EXPECT_EQ(read.integration, checkpoint.integration);
@@ -280,8 +280,21 @@ TEST(RunHistory, ComesBackWhole) {
     checkpoint.history.settling_wall = 2.0;
     sign(checkpoint, scene, simulation.workspace().variator);
     const tests::TemporaryFile file("history");
-    write_checkpoint(file.path(), checkpoint);
+    engine::write_state(file.path(), checkpoint);
     EXPECT_EQ(read_checkpoint(file.path()).history, checkpoint.history);
+}
+
+TEST(Checkpoint, OfAnotherVersionContinuesOnlyIfMixed) {
+    const Scene scene = tiny();
+    const Simulation simulation(scene);
+    const model::Variator& variator = simulation.workspace().variator;
+    Checkpoint checkpoint;
+    checkpoint.integration = simulation.integration_state();
+    sign(checkpoint, scene, variator);
+    EXPECT_NO_THROW(require_same("a", checkpoint, scene, variator));
+    checkpoint.program = "cvtflow 0.1.0 (deadbeef), GNU";
+    EXPECT_THROW(require_same("a", checkpoint, scene, variator), SimulationError);
+    EXPECT_NO_THROW(require_same("a", checkpoint, scene, variator, true));
 }
 
 }  // namespace

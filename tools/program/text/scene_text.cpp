@@ -53,18 +53,18 @@ std::string text_of(const std::vector<engine::Attribute>& attributes, std::strin
     return found == attributes.end() ? otherwise : engine::visible(value_text(*found));
 }
 
-std::string step_text(const std::vector<engine::Attribute>& attributes, double setting) {
-    const double taken = number_of(attributes, tasks::step_taken_attribute);
+std::string step_text(double taken, double setting) {
     const std::string set = setting > 0.0 ? time_text(setting) : "auto", used = taken > 0.0 ? time_text(taken) : "";
     if (used.empty() || used == set) return set;
     return setting > 0.0 ? fmt::format("{} ({} taken)", set, used) : fmt::format("auto ({})", used);
 }
 
-std::string step_text(const std::vector<engine::Attribute>& attributes) { return step_text(attributes, number_of(attributes, "step")); }
+std::string step_text(const std::vector<engine::Attribute>& attributes) {
+    return step_text(number_of(attributes, tasks::step_taken_attribute), number_of(attributes, "step"));
+}
 
-std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attributes, std::string_view name) {
+std::optional<tasks::Scene> scene_in(const std::string* text) {
     constexpr std::size_t longest = std::size_t{1} << 20U;  // a parser takes a multiple of it [byte]
-    const auto* text = engine::attribute_value<std::string>(attributes, name);
     if (text == nullptr || text->empty() || text->size() > longest) return {};
     try {
         return tasks::parse_scene(*text, "scene", tasks::StartState::recorded);

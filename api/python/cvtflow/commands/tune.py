@@ -131,7 +131,7 @@ def _outputs(given, scene):
     if not file.endswith(".toml"):
         raise UsageError(f"--write {file}: expected FILE.toml")
     inputs = [*inputs_of([given.scene if _scene.is_path(given.scene) else ""]), scene["start.state"]]
-    made, state = (Output(each, inputs, given.force) for each in (file, beside(file, ".h5")))
+    made, state = (Output(each, inputs, given.force) for each in (file, beside(file, ".state")))
     if made.notice and not given.quiet:
         say(made.notice)
     return made, state

@@ -88,8 +88,8 @@ TEST_F(RunReaderTest, ReportsTheSizeOfATruncatedFile) {
 TEST_F(RunReaderTest, DistinguishesOtherKindsOfFilesFromRuns) {
     H5Fclose(H5Fcreate(path("other.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
     EXPECT_EQ(opening(path("other.h5")), path("other.h5") + ": an HDF5 file, but not a record of a run");
-    write_state(path("state.h5"), {});
-    EXPECT_EQ(opening(path("state.h5")), path("state.h5") + ": an HDF5 file, but not a record of a run (it is a state file)");
+    write_state(path("a.state"), SavedState{});
+    EXPECT_EQ(opening(path("a.state")), path("a.state") + ": not an HDF5 file");
 }
 
 TEST_F(RunReaderTest, RefusesAFormatOfTheFuture) {

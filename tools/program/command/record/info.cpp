@@ -66,7 +66,7 @@ std::string run_text(const std::string& path) {
     text += field("status", running ? "running (still being written, or left by a killed run)" : run.status());
     text += field("seal", run.sealed() ? "intact: every byte is as the run wrote it" : "none: numbers cannot be verified");
     text += field("scene", of("scene"));
-    if (const auto scene = scene_in(all, "parameters")) text += field("detail", detail_text(*scene));
+    if (const auto scene = scene_in(engine::attribute_value<std::string>(all, "parameters"))) text += field("detail", detail_text(*scene));
     text += field("method", fmt::format("{}, step {}, seed {}", of("method"), step_text(all), of("seed")));
     text += field("program", fmt::format("cvtflow {} ({}), {} {}, {}, HDF5 {}", of("program_version"), of("commit"), of("compiler"),
                                          of("build_type"), of("instruction_set"), of("hdf5_version")));
@@ -89,14 +89,12 @@ std::string state_text(const std::string& path) {
     text += field("unknowns", count_text(static_cast<long>(saved.state.size())));
     text += field("tips", fmt::format("{}, {} of them not free", saved.phases.size(), touching));
     text += field("state hash", hash);
-    text += field("fingerprint", saved.fingerprint);
-    const auto scene = scene_in(saved.attributes, "scene");
+    const auto scene = scene_in(&saved.scene);
     if (!scene) return text + field("settled with", "a scene that this program cannot read");
     text += field("settled with", fmt::format("scene {}, {} pins", scene->name, scene->parameters.chain.pins));
     text += field("", detail_text(*scene));
-    const std::string method = text_of(saved.attributes, "method", tasks::method_of(*scene));
-    text += field("", fmt::format("{} with step {}, {} of settling", method, step_text(saved.attributes, scene->run.step.value_or(0.0)),
-                                  time_text(scene->parameters.start.settling_time)));
+    text += field("", fmt::format("{} with step {}, {} of settling", saved.method.empty() ? tasks::method_of(*scene) : saved.method,
+                                  step_text(saved.step, scene->run.step.value_or(0.0)), time_text(scene->parameters.start.settling_time)));
     return text;
 }
 
@@ -173,16 +171,7 @@ nlohmann::ordered_json sweep_json(const std::string& folder) {
 /// Text for the kind of the file.
 std::string info_text(const std::string& path) {
     if (std::filesystem::is_directory(path)) return sweep_text(sweep_folder(path));
-    constexpr std::string (*kinds[])(const std::string&) = {run_text, state_text};
-    for (const auto kind : kinds) {
-        try {
-            return kind(path);
-        } catch (const engine::RecordError& error) {
-            const bool other_kind = std::string_view(error.what()).find("an HDF5 file, but not a ") != std::string_view::npos;
-            if (!other_kind) throw;
-        }
-    }
-    throw engine::RecordError(path + ": an HDF5 file, but neither a record nor a state of cvtflow");
+    return engine::is_state_file(path) ? state_text(path) : run_text(path);
 }
 
 }  // namespace

@@ -31,9 +31,9 @@ struct ResumeArguments {
     bool force = false, quiet = false, keep_going = false, mixed = false;
 };
 
-constexpr std::string_view checkpoint_ending = ".checkpoint.h5";
+constexpr std::string_view checkpoint_ending = ".checkpoint";
 
-/// The record that belongs to a checkpoint: beside it, NAME.h5 or NAME for NAME.checkpoint.h5. The path stored in the checkpoint must agree
+/// The record that belongs to a checkpoint: beside it, NAME.h5 or NAME for NAME.checkpoint. The path stored in the checkpoint must agree
 /// but is never used to choose a file. @throws engine::RecordError if it differs
 std::string record_beside(const std::string& file, const tasks::Checkpoint& checkpoint) {
     if (checkpoint.record.empty()) return {};
@@ -112,7 +112,7 @@ Action declare_resume(CLI::App& app) {
     app.add_option("--until", arguments->until, "New end of the run (default: unchanged)")->type_name("TIME");
     declare_repeated(app, "--set", arguments->settings, "Change a key that does not affect results: run.threads, run.max_wall, …",
                      "KEY=VALUE");
-    app.add_option("-o,--output", arguments->output, "Record to continue (default: NAME.h5 beside NAME.checkpoint.h5); none: no record")
+    app.add_option("-o,--output", arguments->output, "Record to continue (default: NAME.h5 beside NAME.checkpoint); none: no record")
         ->type_name("FILE");
     app.add_flag("--force", arguments->force, force_meaning);
     app.add_option("--checkpoint-every", arguments->every, "Wall time between checkpoints (default: 60 s)")->type_name("TIME");

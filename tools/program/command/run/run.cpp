@@ -37,7 +37,7 @@ std::string record_path(const RunArguments& arguments, const tasks::Scene& scene
 /// Beside the record, or under the scene's name.
 std::string checkpoint_path(const RunArguments& arguments, const tasks::Scene& scene, const std::string& record) {
     if (!arguments.checkpoint.empty()) return arguments.checkpoint;
-    return beside(record.empty() ? scene.path.stem().string() : record, ".checkpoint.h5");
+    return beside(record.empty() ? scene.path.stem().string() : record, ".checkpoint");
 }
 
 /// Checks the command line and the output paths before the work begins. A checkpoint beside the record belongs to a run that can be
@@ -108,7 +108,7 @@ struct SettleArguments {
 ExitStatus settle(SettleArguments& arguments) {
     arguments.scene.settle = true;
     const tasks::Scene scene = load_scene(arguments.scene).scene;
-    const std::string file = arguments.output.empty() ? scene.path.stem().string() + "_state.h5" : arguments.output;
+    const std::string file = arguments.output.empty() ? scene.path.stem().string() + ".state" : arguments.output;
     const model::Start& start = scene.parameters.start;
     if (start.layout != model::StartLayout::belt || start.settling_time <= 0.0) {
         throw tasks::SceneError(fmt::format("{}: nothing to settle: start.layout is \"ring\" or start.settling_time is 0", scene.name));
@@ -144,7 +144,7 @@ Action declare_run(CLI::App& app) {
     app.add_option("--checkpoint-every", arguments->checkpoint_every,
                    "Wall time between checkpoints, e.g. \"10 min\" (default: no checkpoints)")
         ->type_name("TIME");
-    app.add_option("--checkpoint", arguments->checkpoint, "Checkpoint file (default: beside the record, NAME.checkpoint.h5)")
+    app.add_option("--checkpoint", arguments->checkpoint, "Checkpoint file (default: beside the record, NAME.checkpoint)")
         ->type_name("FILE");
     declare_shortcut(app, scene, "--method", "run.method", "NAME");
     declare_shortcut(app, scene, "--step", "run.step", "TIME");
@@ -173,8 +173,7 @@ Action declare_run(CLI::App& app) {
 Action declare_settle(CLI::App& app) {
     const auto arguments = std::make_shared<SettleArguments>();
     declare_scene(app, arguments->scene);
-    app.add_option("-o,--output", arguments->output, "State file to write; must not exist (default: SCENE_state.h5)")
-        ->type_name("STATE.h5");
+    app.add_option("-o,--output", arguments->output, "State file to write; must not exist (default: SCENE.state)")->type_name("STATE");
     app.add_flag("--force", arguments->force, force_meaning);
     declare_shortcut(app, arguments->scene, "--time", "start.settling_time", "TIME");
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
