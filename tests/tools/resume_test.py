@@ -97,9 +97,10 @@ class Resume(Program):
 
     def test_leaves_no_half_written_checkpoint_behind(self):
         self.cvtflow("settle tiny -q -o a.state --time 20us --set start.ramp_time=10us")
-        Path("cut.checkpoint.part").write_bytes(Path("a.state").read_bytes()[:4000])  # what a kill left
-        self.cvtflow(f"{TO_BE_ENDED} -o cut.h5 --checkpoint-every '1 h'")
-        self.assertFalse(has("cut.checkpoint.part"))
+        for more in ("--checkpoint-every '1 h'", "--force"):
+            Path("cut.checkpoint.part").write_bytes(Path("a.state").read_bytes()[:4000])  # what a kill left
+            self.cvtflow(f"{TO_BE_ENDED} -o cut.h5 {more}")
+            self.assertFalse(has("cut.checkpoint.part"), more)
 
 
 class ForeignCheckpoint(Program):

@@ -104,11 +104,11 @@ void keep_checkpoint(const std::string& file) {
 }
 
 void forget_checkpoint(const std::string& file, const std::vector<std::filesystem::path>& inputs) {
-    const auto is_it = [&file](const std::filesystem::path& input) {
-        std::error_code absent;
-        return !input.empty() && std::filesystem::equivalent(file, input, absent) && !absent;
-    };
-    if (is_checkpoint(file) && std::none_of(inputs.begin(), inputs.end(), is_it)) tasks::remove_checkpoint(file);
+    std::error_code absent;
+    for (const std::string& each : {file, file + ".part"})
+        for (const std::filesystem::path& input : inputs)
+            if (!input.empty() && std::filesystem::equivalent(each, input, absent) && !absent) return;
+    if (is_checkpoint(file) || !std::filesystem::exists(std::filesystem::symlink_status(file, absent))) tasks::remove_checkpoint(file);
 }
 
 void declare_output(CLI::App& app, OutputArguments& arguments) {
