@@ -59,7 +59,6 @@ WRITERS = (
     _Writer("batch, records", "batch recorded.toml -q -o out --threads 1", "out/records/case-000000.h5"),
     _Writer("tune --write", TUNE, "t.toml"),
     _Writer("tune --write, state", TUNE, "t.state"),
-    _Writer("tune --write, picture", TUNE, "t.svg"),
 )
 
 
