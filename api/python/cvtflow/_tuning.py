@@ -78,7 +78,7 @@ def settled_on(points: _tune.Points, settings: Settings, scene: Scene, state_fil
 def read_kept(path: str) -> dict[str, Any]:
     """What a JSON file contains; {}: it is absent or damaged."""
     try:
-        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), encoding="utf-8") as file:  # of a pipe nothing is waited for
+        with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), encoding="utf-8") as file:  # of a pipe nothing is waited for
             return json.load(file)
     except (OSError, ValueError):
         return {}
