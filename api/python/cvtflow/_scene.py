@@ -95,11 +95,6 @@ class Scene:
         """A scene that comes with cvtflow, e.g. "baseline"."""
         return Scene._made(c.scene_ready, encoded(name))
 
-    @staticmethod
-    def ready_names() -> list[str]:
-        """Names of the scenes that ready() finds."""
-        return [row["name"] for row in json.loads(text_of(c.describe, b"scenes"))]
-
     def with_(self, *settings: Mapping[str, Any] | str, **values: Any) -> Scene:
         """This scene with other values: with_({"load": {"torque": "8 N*m"}}), with_({"load.torque": 8}), with_(load__torque=8),
         with_(until="1 ms") if the last part is unique, or with_("load.torque=8 N*m") as --set of the program. Numbers are in SI, texts carry

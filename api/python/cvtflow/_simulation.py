@@ -8,7 +8,7 @@ import os
 import re
 import threading
 import time as clock
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from ctypes import byref, c_double, c_size_t, c_void_p
 from html import escape
 from typing import Any
