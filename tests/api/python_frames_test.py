@@ -263,25 +263,25 @@ class Sweeps(Folder):
         axes = results.plot(x="load.torque", y="slip mean", by="clamping.driving").axes[0]
         self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("load torque [N·m]", "mean slip [%]"))
         self.assertEqual(axes.get_title(loc="left"), "mean slip over load torque")
-        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[6, 12], [6, 12]])
+        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[6, 12], [6, 12], [12, 12, 6, 6]])  # the last: rings
         np.testing.assert_array_equal(axes.lines[0].get_ydata(), 100.0 * results["slip_mean"][[2, 0]])
         self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()],
-                         ["clamping driving 7 kN", "clamping driving 8 kN"])
+                         ["clamping driving 7 kN", "clamping driving 8 kN", "not steady (4)"])
         self.assertIs(results.plot(x="load.torque", y="slip mean", ax=axes), axes.figure)
 
     @matplotlib_only
     def test_results_have_a_line_for_each_value_of_every_other_axis(self):
         results = self.results()
         axes = results.plot(x="load.torque", y="slip mean").axes[0]
-        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[6, 12], [6, 12]])
+        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[6, 12], [6, 12], [12, 12, 6, 6]])  # the last: rings
         self.assertEqual(axes.get_legend().get_texts()[0].get_text(), "clamping driving 7 kN")
         axes = results.plot(x="clamping.driving", y="slip mean").axes[0]  # the driven force follows it
-        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[7, 8], [7, 8]])
-        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["load torque 6 N·m", "load torque 12 N·m"])
+        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[7, 8], [7, 8], [7, 8, 7, 8]])
+        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["load torque 6 N·m", "load torque 12 N·m", "not steady (4)"])
         axes = results.plot(x="clamping.driving", y="slip mean", si=True).axes[0]
         self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("clamping driving [N]", "mean slip"))
         self.assertEqual(list(axes.lines[0].get_xdata()), [7000, 8000])
-        self.assertEqual(len(results.plot(x="load.torque", y="slip mean", by=[]).axes[0].lines), 1)
+        self.assertEqual(len(results.plot(x="load.torque", y="slip mean", by=[]).axes[0].lines), 2)
 
     @pandas_only
     def test_results_become_a_table_over_two_axes_and_cases_are_chosen(self):
