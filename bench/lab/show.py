@@ -270,6 +270,22 @@ def stability(results, files):
     files.report()
 
 
+def belt(results, files):
+    """Thrust ratio, tensions, slip and shift by the theory of a belt, or why it has none; forces and sliding along both arcs."""
+    rows = []
+    for row in results["points"]:
+        solved = row["status"] == "ok"
+        known = [f"{row['thrust_ratio']:.4f}", f"{row['tight_N']:.1f}", f"{row['slack_N']:.1f}", f"{100.0 * row['slip']:.4f}",
+                 f"{row['shift_per_s']:+.4f}"] if solved else [""] * 5
+        rows.append([f"{row['ratio']:g}", f"{row['load']:.6g}", f"{row['torque_Nm']:.2f}", f"{1e3 * row['growth_m_per_s']:.3f}", *known,
+                     "" if solved else row["status"]])
+    table(["ratio", "load", "torque [N m]", "growth [mm/s]", "S1/S2", "tight [N]", "slack [N]", "slip [%]", "shift [1/s]", "<"], rows)
+    files.write("belt.csv", csv(results["points"]))
+    if results["arcs"]:
+        files.write("arcs.csv", csv(results["arcs"]))
+    files.report()
+
+
 def local_error(results, files):
     """The error of a single step against its length: a table per method and friction law, pictures per law."""
     def slope(row, above, part):

@@ -1,7 +1,6 @@
 #include "tools/program/output.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -117,33 +116,6 @@ void declare_output(CLI::App& app, OutputArguments& arguments) {
     app.add_flag("--csv", arguments.csv, "Write tables");
     app.add_flag("--json", arguments.json, "Write all results as JSON, with provenance");
     app.add_flag("--svg", arguments.svg, "Write pictures (default with -o: --csv, --json and --svg)");
-}
-
-bool OutputFolder::wants(const std::string& name) const {
-    const auto& [folder, csv, json, svg] = arguments_;
-    if (!csv && !json && !svg) return !folder.empty();
-    return (csv && name.ends_with(".csv")) || (json && name.ends_with(".json")) || (svg && name.ends_with(".svg"));
-}
-
-void OutputFolder::write(const std::string& name, const std::string& text) {
-    if (!wants(name)) return;
-    const std::filesystem::path path = std::filesystem::path(arguments_.folder.empty() ? "results" : arguments_.folder) / name;
-    std::error_code ignored;  // writing the file then fails with a message
-    std::filesystem::create_directories(path.parent_path(), ignored);
-    engine::OutputFile file = output_file(path.string(), !arguments_.folder.empty(), false);
-    file.advice = "remove it, or name another folder";
-    engine::write_whole(file, text);
-    names_.push_back(path.string());
-}
-
-std::string OutputFolder::written() const {
-    std::string text = names_.empty() ? "" : field("written", fmt::format("{}", fmt::join(names_, ", ")));
-    for (const auto& [asked, ending] : {std::pair{arguments_.csv, "csv"}, {arguments_.json, "json"}, {arguments_.svg, "svg"}}) {
-        const auto ends = [kind = std::string(".") + ending](const std::string& name) { return name.ends_with(kind); };
-        if (asked && std::none_of(names_.begin(), names_.end(), ends))
-            text += field("not written", fmt::format("--{}: this command has no such file", ending));
-    }
-    return text;
 }
 
 }  // namespace cvtflow::tools

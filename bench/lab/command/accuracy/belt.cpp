@@ -6,10 +6,10 @@
 #include <stdexcept>
 
 #include "bench/lab/command/command.hpp"
+#include "bench/lab/show.hpp"
 #include "tasks/sizing/belt_drive.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/output.hpp"
 
 namespace cvtflow::bench {
 
@@ -32,43 +32,27 @@ const std::map<std::string, bool BeltParts::*> parts_by_name{{"tilt", &BeltParts
                                                              {"crown", &BeltParts::crowned_flank},
                                                              {"saturation", &BeltParts::saturation_speed}};
 
-/// Rows of the tables, and lines on the terminal.
-struct BeltTables {
-    std::string points =
-        "ratio,load,torque_Nm,growth_m_per_s,status,clamping_driving_N,thrust_ratio,tight_N,slack_N,slip,sliding_W,shift_per_s,torque_"
-        "limit_"
-        "Nm\n";
-    std::string arcs = "ratio,load,pulley,angle,tension_N,axial_N_per_rad,inset_m,along_m_per_s,across_m_per_s\n";
-    std::string lines =
-        fmt::format("{:>6} {:>6} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9}\n", "ratio", "load", "torque", "growth", "S1/S2", "tight",
-                    "slack", "slip", "shift") +
-        fmt::format("{:>6} {:>6} {:>9} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9}\n", "", "", "N m", "mm/s", "", "N", "N", "%", "1/s");
-};
-
-void add_arcs(BeltTables& tables, const BeltDrive& drive, double ratio, double load) {
-    for (std::size_t k = 0; k < drive.arc.size(); ++k)
-        for (const BeltNode& node : drive.arc[k].nodes)
-            tables.arcs += fmt::format("{:g},{:g},{},{:.5f},{:.3f},{:.3f},{:.4g},{:.5g},{:.5g}\n", ratio, load, k + 1, node.angle,
-                                       node.tension, node.axial, node.inset, node.along, node.across);
-}
-
-/// load: as a share of 2 mu S_2 R_2/cos(beta)
-void add_point(BeltTables& tables, const model::Parameters& p, const BeltPoint& point, double load, const BeltParts& parts, bool arcs) {
-    const double limit = belt_torque_limit(p, point);
-    const std::string begin = fmt::format("{:g},{:g},{:.4f},{:g},", point.ratio, load, point.torque, point.growth);
-    const std::string words = fmt::format("{:>6g} {:>6g} {:>9.2f} {:>9.3f} ", point.ratio, load, point.torque, 1e3 * point.growth);
+/// A row of the table. Its status is "ok", or why the theory has no solution there. @param load  share of 2 mu S_2 R_2/cos(beta)
+/// @param arcs  gets the nodes of the arcs
+Json row_of(const model::Parameters& p, const BeltPoint& point, double load, const BeltParts& parts, Json& arcs) {
+    Json row =
+        named("ratio,load,torque_Nm,growth_m_per_s,status,clamping_driving_N,thrust_ratio,tight_N,slack_N,slip,sliding_W,shift_per_s",
+              {point.ratio, load, point.torque, point.growth, "ok", {}, {}, {}, {}, {}, {}, {}});
+    row["torque_limit_Nm"] = belt_torque_limit(p, point);
     try {
         const BeltDrive drive = solve_belt(p, point, parts);
-        tables.points += begin + fmt::format("ok,{:.3f},{:.6f},{:.3f},{:.3f},{:.4e},{:.3f},{:.6g},{:.4f}\n", drive.arc[0].clamping,
-                                             drive.thrust_ratio, drive.tight, drive.slack, drive.slip,
-                                             drive.arc[0].sliding_power + drive.arc[1].sliding_power, drive.shift + 0.0, limit);
-        tables.lines += words + fmt::format("{:>8.4f} {:>9.1f} {:>9.1f} {:>9.4f} {:>+9.4f}\n", drive.thrust_ratio, drive.tight, drive.slack,
-                                            100.0 * drive.slip, drive.shift + 0.0);
-        if (arcs) add_arcs(tables, drive, point.ratio, load);
+        row.update(named("clamping_driving_N,thrust_ratio,tight_N,slack_N,slip,sliding_W,shift_per_s",
+                         {drive.arc[0].clamping, drive.thrust_ratio, drive.tight, drive.slack, drive.slip,
+                          drive.arc[0].sliding_power + drive.arc[1].sliding_power, drive.shift + 0.0}));
+        for (std::size_t k = 0; k < drive.arc.size(); ++k)
+            for (const BeltNode& node : drive.arc[k].nodes)
+                arcs.push_back(
+                    named("ratio,load,pulley,angle,tension_N,axial_N_per_rad,inset_m,along_m_per_s,across_m_per_s",
+                          {point.ratio, load, k + 1, node.angle, node.tension, node.axial, node.inset, node.along, node.across}));
     } catch (const std::domain_error& error) {
-        tables.points += begin + fmt::format("slips,,,,,,,,{:.4f}\n", limit);
-        tables.lines += words + error.what() + "\n";
+        row["status"] = error.what();
     }
+    return row;
 }
 
 ExitStatus belt(const BeltArguments& arguments) {
@@ -80,8 +64,7 @@ ExitStatus belt(const BeltArguments& arguments) {
     BeltParts parts;
     parts.vibration = arguments.vibration;
     for (const std::string& name : arguments.without) parts.*parts_by_name.at(name) = false;
-    BeltTables tables;
-    OutputFolder folder(arguments.output);
+    Json results{{"points", Json::array()}, {"arcs", Json::array()}};
     const std::vector<double> ratios = arguments.ratios.empty() ? std::vector<double>{p.start.ratio} : arguments.ratios;
     for (const double ratio : ratios) {
         BeltPoint point{ratio, p.clamping.driven.at(0.0), p.load.torque.at(0.0), p.drive.speed.at(0.0)};
@@ -90,13 +73,10 @@ ExitStatus belt(const BeltArguments& arguments) {
             for (const double growth : arguments.growths) {
                 point.torque = load * limit;
                 point.growth = growth;
-                add_point(tables, p, point, load, parts, folder.wants("arcs.csv"));
+                results["points"].push_back(row_of(p, point, load, parts, results["arcs"]));
             }
     }
-    folder.write("belt.csv", tables.points);
-    folder.write("arcs.csv", tables.arcs);
-    fmt::print("{}{}", tables.lines, folder.written());
-    return ExitStatus::finished;
+    show("belt", std::move(results), arguments.output);
 }
 
 }  // namespace

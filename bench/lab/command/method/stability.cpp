@@ -136,7 +136,7 @@ Json stability_of(const engine::StagePlan& plan, const StabilityArguments& argum
     }
     result["row"] = std::move(row);
     if (arguments.step > 0.0) step = arguments.step;
-    if (OutputFolder(arguments.output).wants(".svg"))
+    if (arguments.output.wants_pictures())
         result["map"] = stability_map(plan, real, imaginary, ground ? ground->values : Eigenvalues{}, step);
     return result;
 }
