@@ -239,6 +239,8 @@ Claims::Claims(const std::string& folder, std::string owner, double silence)
 /// Creates a file with the owner's name. @return false if it is there, or its folder is gone, since another process has ended the work
 bool Claims::create(const std::string& path) const {
     const Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666));
+    if (file.number() < 0 && errno == ENOENT && access(rows_folder_.c_str(), F_OK) != 0)
+        throw RecordError(rows_folder_ + ": the folder of the sweep was moved or removed meanwhile");
     if (file.number() < 0 && (errno == EEXIST || errno == ENOENT)) return false;
     if (file.number() < 0) fail(path, "create", errno);
     if (const int reason = write_all(file.number(), owner_ + "\n"); reason != 0) fail(path, "write", reason);

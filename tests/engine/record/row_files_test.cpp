@@ -120,8 +120,12 @@ TEST_F(Rows, AreTakenOverFromAnotherMachineThatIsSilent) {
 }
 
 TEST_F(Rows, ThatCannotBeWrittenAreAMessage) {
-    std::filesystem::create_directory(file("claims"));
+    Claims claims(folder_, "rows-a-1.csv");
     EXPECT_THAT(error_of([&] { RowWriter(folder_ + "/none", heading_); }), testing::EndsWith(": cannot create: No such file or directory"));
+    std::filesystem::rename(folder_, folder_ + ".moved");
+    EXPECT_EQ(error_of([&] { static_cast<void>(claims.take("000000")); }),
+              folder_ + ": the folder of the sweep was moved or removed meanwhile");
+    std::filesystem::rename(folder_ + ".moved", folder_);
     std::filesystem::remove(file("claims"));
     std::filesystem::create_symlink("elsewhere", file("claims"));
     EXPECT_EQ(error_of([&] { Claims(folder_, "rows-a-1.csv"); }), file("claims") + ": cannot create: a file, or a link");
