@@ -85,7 +85,7 @@ bool is_torn_record(const std::string& path) {
     if (head.find_first_not_of('\0') == std::string::npos) return true;
     if (!head.starts_with("\x89HDF\r\n\x1a\n\x03")) return false;
     try {
-        static_cast<void>(hdf5::format_of(path));
+        if (hdf5::format_of(path) == hdf5::run_format) static_cast<void>(RunReader(path).attributes());
         return false;
     } catch (const RecordError&) {
         return true;

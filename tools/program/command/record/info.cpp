@@ -171,7 +171,7 @@ nlohmann::ordered_json sweep_json(const std::string& folder) {
 /// Text for the kind of the file.
 std::string info_text(const std::string& path) {
     if (std::filesystem::is_directory(path)) return sweep_text(sweep_folder(path));
-    return engine::is_state_file(path) ? state_text(path) : run_text(path);
+    return engine::head_of(path).starts_with(engine::state_mark) ? state_text(path) : run_text(path);
 }
 
 }  // namespace
