@@ -321,7 +321,7 @@ class LostRows(Program):
         rows, = Path("stopped").glob("rows-*.csv")
         lines = rows.read_text(encoding="utf-8").splitlines(keepends=True)
         self.assertEqual(len(lines), 4)
-        for left, end in (([0], ""), ([0, 2], ""), ([0, 1, 2], ""), ([0], "end-000000.h5")):
+        for left, end in (([0], ""), ([0, 2], ""), ([0, 1, 2], ""), ([0], "end-000000.state")):
             shutil.rmtree("out", ignore_errors=True)
             shutil.copytree("stopped", "out")
             if end:
