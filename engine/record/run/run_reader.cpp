@@ -74,10 +74,10 @@ void require_unchanged(const std::string& path) {
     throw RecordError(path + ": damaged HDF5 file (changed after it was finished: its checksum differs)");
 }
 
-bool is_record_with(const std::string& path, std::string_view attribute, std::string_view text) {
+bool is_record_with(const std::string& path, std::string_view attribute, std::string_view text, bool torn) {
     const RunReader reader(path);
     const auto* found = attribute_value<std::string>(reader.attributes(), attribute);
-    return found != nullptr && (*found == text || (path.ends_with(".h5.part") && attribute == "parameters" && text.starts_with(*found)));
+    return found != nullptr && (*found == text || (torn && text.starts_with(*found)));
 }
 
 bool is_torn_record(const std::string& path) {

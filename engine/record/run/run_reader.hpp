@@ -71,9 +71,9 @@ private:
     std::size_t rows_ = 0, states_ = 0;
 };
 
-/// Whether a record has a text as its attribute of that name, or an unfinished one the beginning of its parameters, which a power cut
-/// leaves. @throws RecordError as RunReader
-[[nodiscard]] bool is_record_with(const std::string& path, std::string_view attribute, std::string_view text);
+/// Whether a record has a text as its attribute of that name; `torn`: or its beginning, which a power cut leaves.
+/// @throws RecordError as RunReader
+[[nodiscard]] bool is_record_with(const std::string& path, std::string_view attribute, std::string_view text, bool torn = false);
 /// Whether a file is what a writer that was killed has left of a record, so that HDF5 cannot read it.
 [[nodiscard]] bool is_torn_record(const std::string& path);
 /// For readers of others: @throws RecordError for a file that cannot be read, or whose bytes have changed since it was finished

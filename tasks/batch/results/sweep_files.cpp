@@ -32,7 +32,7 @@ std::string case_file(const fs::path& folder, std::string_view kind, long number
 engine::OutputFile case_record(const std::string& file, const Scene& of_case) {
     engine::require_no_input(file, input_files(of_case));
     const auto own = [scene = write_scene(of_case)](const std::string& there) {
-        return engine::is_torn_record(there) || engine::is_record_with(there, "parameters", scene);
+        return engine::is_torn_record(there) || engine::is_record_with(there, "parameters", scene, there.ends_with(".part"));
     };
     return {file, own, remove_by_hand};
 }
