@@ -159,6 +159,7 @@ bool RowFiles::read_more(std::size_t source) try {
     }
     return sources_[source].read != before;
 } catch (const InputError& error) {
+    if (sources_[source].rows == 0 && access(sources_[source].path.c_str(), F_OK) != 0) return false;  // of a worker that got no case
     throw RecordError(sources_[source].path + ": " + error.what());
 }
 
@@ -221,8 +222,6 @@ std::vector<std::string> row_files_in(const std::string& folder) {
     std::ranges::sort(names);
     return names;
 }
-
-bool is_growing(const std::string& path) { return being_written(path); }
 
 Claims::Claims(const std::string& folder, std::string owner, double silence)
     : rows_folder_(folder),

@@ -142,7 +142,5 @@ private:
 
 /// Owner of each claim of a folder, by piece.
 [[nodiscard]] std::map<std::string, std::string> read_claims(const std::string& folder);
-/// Whether a process on this machine has the file of rows locked.
-[[nodiscard]] bool is_growing(const std::string& path);
 
 }  // namespace cvtflow::engine

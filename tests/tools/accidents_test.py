@@ -260,6 +260,12 @@ class Accidents(_Works):
         self.assertEqual(*(hash_in(self.wait(each).out) for each in (frozen, other)))
         self.right("batch")
 
+    def test_of_more_processes_than_cases_that_begin_together_each_has_the_same_result(self):
+        write_sweep("6", "20 us")
+        children = [self.start("batch sweep.toml -o out --threads 1") for _ in range(6)]
+        self.assertEqual(len({hash_in(self.wait(each).out) for each in children}), 1)
+        self.assertEqual([each for each in os.listdir("out") if each.endswith(".part")], [])
+
     @with_faults
     def test_a_clock_that_is_set_back_changes_no_result(self):
         for name, (count, line, _) in WORKS.items():

@@ -339,12 +339,13 @@ void keep_text(const std::string& folder, const Sweep& sweep) {
     const std::string path = in(folder, "sweep.toml");
     std::error_code absent;
     if (fs::is_regular_file(fs::symlink_status(path, absent)) && engine::read_text_input(path, longest_toml) == sweep.text) return;
-    const auto torn = [&](const std::string& part) {  // what a power cut has left of it: bytes of the text, others are zero
-        const std::string left = part.ends_with(".part") ? engine::read_text_input(part, longest_toml) : sweep.text + "\n";
-        return left.size() <= sweep.text.size() &&
-               std::equal(left.begin(), left.end(), sweep.text.begin(), [](char is, char was) { return is == was || is == '\0'; });
+    const auto own = [&](const std::string& there) {  // also what a power cut has left of it: bytes of the text, others are zero
+        const std::string left = engine::read_text_input(there, longest_toml);
+        return left == sweep.text ||
+               (there.ends_with(".part") && left.size() <= sweep.text.size() &&
+                std::equal(left.begin(), left.end(), sweep.text.begin(), [](char is, char was) { return is == was || is == '\0'; }));
     };
-    engine::write_whole({path, torn, remove_by_hand}, sweep.text);
+    engine::write_whole({path, own, remove_by_hand}, sweep.text);
 }
 
 }  // namespace
@@ -355,14 +356,14 @@ SweepFacts begin_results(const std::string& folder, const Sweep& sweep) {
     engine::OutputFile results = own_file(folder, "results.csv", heading_of(here.columns));
     if (!holds_sweep(folder)) results.may_replace = nullptr;
     engine::require_place(results);
-    for (int attempt = 1; !holds_sweep(folder); ++attempt) {
+    for (int attempt = 1, idle = 0; !holds_sweep(folder); ++attempt) {
         try {
             keep_text(folder, sweep);
             write_facts(folder, here);
         } catch (const engine::RecordError&) {
-            if (attempt == attempts || (!holds_sweep(folder) && !engine::is_growing(in(folder, "sweep.json.part")) &&
-                                        !engine::is_growing(in(folder, "sweep.toml.part"))))
-                throw;
+            // Another one may have begun neither file again, or just ended one, but only so often.
+            idle += !engine::being_written(in(folder, "sweep.json.part")) && !engine::being_written(in(folder, "sweep.toml.part"));
+            if (attempt == attempts || idle == 4) throw;
             usleep(20'000);
         }
     }
@@ -456,7 +457,7 @@ void write_results(const std::string& folder, const SweepFacts& facts, const std
 void drop_rows(const std::string& folder, const SweepFacts& facts, const std::vector<std::string>& statuses) {
     const std::vector<std::string> before = engine::row_files_in(folder);
     for (const std::string& name : before) {
-        if (engine::is_growing(in(folder, name.c_str())))
+        if (engine::being_written(in(folder, name.c_str())))
             throw SimulationError(fmt::format("{}: a process is at work there ({}); --retry waits for nobody", folder, name));
     }
     const SweepRows rows(folder, facts);
@@ -482,7 +483,7 @@ FolderProgress folder_progress(const std::string& folder) {
     for (const std::string& name : engine::row_files_in(folder)) {
         const auto found = by_file.find(name);
         progress.workers.push_back(
-            {name, found == by_file.end() ? 0 : found->second, pieces[name], engine::is_growing(in(folder, name.c_str()))});
+            {name, found == by_file.end() ? 0 : found->second, pieces[name], engine::being_written(in(folder, name.c_str()))});
     }
     return progress;
 }

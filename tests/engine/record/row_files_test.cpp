@@ -8,7 +8,6 @@
 #include <fstream>
 #include <thread>
 
-#include "engine/record/run/schema.hpp"
 #include "tests/engine/record/record_fixture.hpp"
 
 namespace cvtflow::engine {
@@ -61,7 +60,7 @@ TEST_F(Rows, AreAddedByManyThreadsToTheFileOfTheirProcess) {
         RowWriter writer(folder_, heading_);
         RowWriter another(folder_, heading_);
         EXPECT_NE(writer.name(), another.name());
-        EXPECT_TRUE(is_growing(file(writer.name())));
+        EXPECT_TRUE(being_written(file(writer.name())));
         std::vector<std::jthread> threads;
         for (int k = 0; k < 4; ++k)
             threads.emplace_back([&, k] {
@@ -73,7 +72,7 @@ TEST_F(Rows, AreAddedByManyThreadsToTheFileOfTheirProcess) {
         EXPECT_FALSE(std::filesystem::exists(file(another.name()))) << "it has no row";
     }
     EXPECT_EQ(RowFiles(folder_).size(), 200u);
-    EXPECT_FALSE(is_growing(file(row_files_in(folder_).front())));
+    EXPECT_FALSE(being_written(file(row_files_in(folder_).front())));
 }
 
 TEST_F(Rows, ArePiecesOfWorkThatOneProcessTakesUntilItIsDead) {
