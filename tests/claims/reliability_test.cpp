@@ -7,7 +7,6 @@
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
-#include "tasks/method/method.hpp"
 #include "tasks/run/run.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/csv_fixture.hpp"

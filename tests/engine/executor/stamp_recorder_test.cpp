@@ -1,6 +1,5 @@
 #include "bench/executor/further_executors.hpp"
 #include "bench/executor/span_recorder.hpp"
-#include "engine/base/provenance.hpp"
 #include "engine/thread/worker_threads.hpp"
 
 #include <gmock/gmock.h>

@@ -9,8 +9,6 @@
 #include <thread>
 #include <vector>
 
-#include "engine/base/provenance.hpp"
-#include "engine/executor/catalogue.hpp"
 #include "engine/thread/backoff.hpp"
 #include "engine/thread/floating_mode.hpp"
 #include "engine/thread/pinning.hpp"

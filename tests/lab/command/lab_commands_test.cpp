@@ -5,8 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "engine/method/catalogue.hpp"
-#include "tasks/channel/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tests/tools/program_fixture.hpp"
 

@@ -3,9 +3,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "engine/method/catalogue.hpp"
-#include "tasks/channel/channels.hpp"
-#include "tasks/scene/parameter_table.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::bench {

@@ -9,7 +9,6 @@
 
 #include "model/basis/portable_math.hpp"
 #include "model/kernels/link_lanes.hpp"
-#include "model/start/start_state.hpp"
 
 namespace cvtflow::model {
 namespace {

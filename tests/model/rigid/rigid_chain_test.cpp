@@ -9,10 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "model/observe/observation.hpp"
 #include "model/rigid/rigid_plates.hpp"
-#include "model/start/start_state.hpp"
-#include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
 namespace cvtflow::model {

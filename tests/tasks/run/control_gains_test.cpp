@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "tasks/run/run.hpp"
-#include "tests/sample_fixture.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::tasks {

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "model/rigid/rigid_chain.hpp"
 #include "tests/oracle/friction.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"
 

@@ -14,7 +14,6 @@
 #include "model/parameters/chain_layout.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/scene/units.hpp"
 #include "tests/csv_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 #include "tests/temporary_file_fixture.hpp"

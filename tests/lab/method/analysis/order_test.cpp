@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "bench/method/laboratory_methods.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tests/engine/method/plan_fixture.hpp"
 

@@ -15,7 +15,6 @@
 #include "bench/method/family/fitted.hpp"
 #include "bench/method/family/near_optimal.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tests/engine/method/plan_fixture.hpp"
 
 namespace cvtflow::bench {
 namespace {

@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "engine/executor/serial.hpp"
-#include "engine/method/catalogue.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/step/control/energy_ledger.hpp"
 #include "tasks/step/control/step_control.hpp"
