@@ -3,19 +3,25 @@
     python_interfaces_test.py --write    writes the list
 """
 
+import contextlib
 import os
 import re
+import struct
+import subprocess
 import sys
 import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 import zipfile
+from collections import defaultdict
+from itertools import product
 from pathlib import Path
 
-from python_fixture import SOURCE, program
+from python_fixture import PROGRAM, SOURCE, program
 
 import h5py
 
+import cvtflow
 from cvtflow._library import described
 
 LIST = Path(SOURCE, "tests/api/interfaces.txt")
@@ -82,12 +88,49 @@ def fmu():
     return {f"{each.get('name')} {each.get('causality')} [{each.get('unit', '')}]" for each in variables}
 
 
+def fields(data):
+    """Names and types of the fields of a state, in their order; fields of a field in braces, equal ones in a row once."""
+    at, found = 0, []
+    while at < len(data):
+        begin = at + 10 + data[at]
+        name, kind = data[at + 1:begin - 9].decode(), chr(data[begin - 9])
+        at = begin + struct.unpack_from("<Q", data, begin - 8)[0] * struct.calcsize(kind)
+        inside = {"energy", "recorder"} & {name} or name == "method" and "means d" in found  # the first one is the method's name
+        found.append(f"{name} {{{fields(data[begin:at])}}}" if inside else f"{name} {kind}")
+    return ", ".join(name for name, before in zip(found, [""] + found) if name != before)
+
+
+def host_state(level, method, step):
+    """Fields of a state of a host, and among them those of the method."""
+    scene = cvtflow.Scene.ready("tiny").with_detail(level).with_("start.state=", BRIEF, f"run.method={method}", f"run.step={step}")
+    simulation = cvtflow.Simulation(scene)
+    simulation.advance_to(simulation.time + 1e-7)
+    state, _, own = fields(simulation.state().bytes()[16:-8]).rpartition(", method {")
+    return state, own[:-1]
+
+
+def states():
+    """Fields of settled states, checkpoints, and states of hosts at every level, method and kind of step."""
+    users = defaultdict(set)
+    for level, method in product(("fine", "full", "rigid"), (row["name"] for row in described("methods"))):
+        with contextlib.suppress(cvtflow.SceneError):  # not at this level
+            state, own = host_state(level, method, "10 ns")
+            yield f"of hosts: {state}, method {{...}}"
+            users[f"method: {own}"].add(method)
+            users[f"automatic step: {host_state(level, method, 'auto')[1].removesuffix(own).rstrip(', ')}"].add(method)
+    yield from (f"of {', '.join(sorted(names))}, {part}" for part, names in users.items())
+    program("settle", "tiny", *SET, "-o", "t.state")
+    subprocess.run([PROGRAM, "run", "tiny", *SET, "--set=run.max_steps=2", "--checkpoint-every=1h", "-o", "c.h5"], capture_output=True)
+    for name, file in (("settled", "t.state"), ("checkpoint", "c.checkpoint")):
+        yield f"{name}: {fields(Path(file).read_bytes()[16:-8])}"
+
+
 def interfaces():
     """Lines of the list: "key load.torque [N*m] …"."""
     found = {f"c {line}" for line in header()} | {f"{kind} {line}" for kind, line in library()}
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        for name, lines in (("record", record()), ("row", rows()), ("fmu", fmu())):
+        for name, lines in (("record", record()), ("row", rows()), ("fmu", fmu()), ("state", states())):
             found |= {f"{name} {line}" for line in lines}
         os.chdir("/")
     return found
