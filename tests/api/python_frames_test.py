@@ -236,7 +236,8 @@ class Sweeps(Folder):
             sweep = cvtflow.Sweep("scenes/tiny.toml", {"torque": [6.0]}, ["slip mean"])
             self.assertEqual(sweep.write(self.folder + "/s.toml").cases, 1)
             sweep = cvtflow.Sweep(Path("scenes/tiny.toml"), {"torque": [6.0, 7.0]}, ["slip mean"])
-            self.assertEqual(sweep.write(self.folder + "/s.toml").cases, 2)
+            self.assertRaises(cvtflow.RecordError, sweep.write, self.folder + "/s.toml")
+            self.assertEqual(sweep.write(self.folder + "/s.toml", force=True).cases, 2)
         finally:
             os.chdir(here)
 

@@ -223,7 +223,7 @@ class SweepFiles(Folder):
     def test_a_job_keeps_the_sweep_file_that_it_reads(self):
         self.sweep(6.0).submit(self.folder + "/study")
         before = Path(self.folder, "study.toml").read_text()
-        with self.assertRaisesRegex(cvtflow.RecordError, "study.toml: already exists and is not the file of this sweep"):
+        with self.assertRaisesRegex(cvtflow.RecordError, r"study.toml: already exists; write\(\) with force=True replaces it"):
             self.sweep(7.0).submit(self.folder + "/study")
         self.assertEqual(Path(self.folder, "study.toml").read_text(), before)
         self.sweep(6.0).submit(self.folder + "/study")
@@ -236,6 +236,7 @@ class SweepFiles(Folder):
             mine.write_text("mine")
             self.assertRaises(cvtflow.RecordError, act, self.sweep(6.0, tiny()))
             self.assertEqual(mine.read_text(), "mine")
+            self.assertFalse(mine.with_name("s.scene.toml" if name == "s.toml" else "s.toml").exists())
             mine.unlink()
         Path(self.folder, "notes").write_text("mine")
         Path(self.folder, "s.toml").symlink_to("notes")

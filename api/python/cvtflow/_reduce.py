@@ -1,7 +1,6 @@
 """`cvtflow reduce`: a machine's steady map and shift law as tables, and as an FMU with measured errors."""
 
 import ctypes
-import hashlib
 import json
 import math
 import os
@@ -11,11 +10,13 @@ import subprocess
 import sys
 import time
 import tomllib
+from pathlib import Path
 
 import numpy as np
 
 from . import Scene, Simulation, Sweep, Threads, _known
 from ._numbers import belt_radii
+from ._output import Output
 
 SHARES = (0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.85, 0.95)  # of the torque limit
 SAFETY = 1.3  # of tables over torque, where the scene has none
@@ -123,15 +124,11 @@ def _number(value, units):
     return float(value if type(value) in (int, float) else [])
 
 
-def _line(name, content):
-    return f"{hashlib.sha256(content).hexdigest()}  {name}\n".encode()
-
-
 class Bench:
     """Runs sweeps and scenes of one machine with the program, in a folder in which a second start continues."""
 
     def __init__(self, request, names=()):
-        """names: of the files that write() will write."""
+        """names: of the files that write() may write."""
         self.folder, self._program = request["folder"], request["program"]
         self.scene, self._threads = request["scene"], ["--threads", str(request["threads"])] * (request["threads"] > 0)
         self.level = request["detail"]
@@ -141,48 +138,22 @@ class Bench:
         if os.path.isdir(self.folder) and os.listdir(self.folder) and not os.path.isfile(os.path.join(self.runs, "scene.toml")):
             raise FileExistsError(f"{request['place']}: contains files of others; name another folder")
         os.makedirs(self.runs, exist_ok=True)
-        for name in names:
-            self._replaceable(name)
+        self._outputs = {name: Output(os.path.join(request["place"], name), force=request["force"], named=request["named"]) for name in names}
         self._text = re.sub(r"(?m)^state = .*\n", "", request["text"])  # start.state has no effect, and its path is that of the installation
-        self.write("runs/scene.toml", f"# {self.level}\n{self._text}", kept=True)
+        self._keep("scene.toml", f"# {self.level}\n{self._text}")
 
-    def _content(self, name):
-        """Bytes of a file of the folder; empty: there is none."""
-        path = os.path.join(self.folder, name)
-        if os.path.islink(path):
-            raise FileExistsError(f"{path}: a link is not replaced")
-        if not os.path.lexists(path):
-            return b""
-        if not os.path.isfile(path):
-            raise FileExistsError(f"{path}: is not a regular file")
-        with open(path, "rb") as file:
-            return file.read()
+    def write(self, name, content):
+        """Writes a file of the folder. Raises OutputError."""
+        self._outputs[name].write(content if isinstance(content, bytes) else content.encode())
 
-    def _replaceable(self, name):
-        """Raises FileExistsError where a file is not as write() has left it: runs/written has a line for each that it has written."""
-        if (content := self._content(name)) and _line(name, content) not in self._content("runs/written"):
-            raise FileExistsError(f"{os.path.join(self.folder, name)}: was not written by this command, or has changed since; move it away")
-
-    def write(self, name, content, kept=False):
-        """Writes a file of the folder, if its content changes. kept: results beside it are of this content."""
-        content, found = content if isinstance(content, bytes) else content.encode(), self._content(name)
-        if found == content:
-            return
-        if kept and found:
-            raise FileExistsError(f"{os.path.join(self.folder, name)}: differs, so results beside it are of another machine, level of "
-                                  "detail or other axes; name another folder, or remove this one")
-        if not kept:
-            self._replaceable(name)
-            with open(os.path.join(self.runs, "written"), "ab") as file:
-                file.write(_line(name, content))
-        part = os.path.join(self.runs, "part")
-        if os.path.lexists(part):
-            os.remove(part)
-        with open(part, "xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(part, os.path.join(self.folder, name))
+    def _keep(self, name, text):
+        """Writes a file that results beside it depend on. Raises FileExistsError where it has another content."""
+        path = os.path.join(self.runs, name)
+        if not os.path.lexists(path) or os.path.getsize(path) == 0:  # a power cut has emptied it
+            Output(path, force=True).write(text.encode())
+        elif os.path.islink(path) or not os.path.isfile(path) or Path(path).read_bytes() != text.encode():
+            raise FileExistsError(f"{path}: differs, so results beside it are of another machine, level of detail or other axes; name another "
+                                  "folder, or remove this one")
 
     @staticmethod
     def report(line):
@@ -227,9 +198,9 @@ class Bench:
                  *(f"{key} = {json.dumps(value)}" for key, value in settings.items()), "[[axes]]", f'csv = "{name}.csv"',
                  "[outputs]", f"scalars = {json.dumps(scalars)}", "[start]", 'mode = "settle"',
                  *['continuation = "load.torque"'] * continued]
-        self.write(f"runs/{name}.csv", ", ".join(rows) + "\n" + "".join(
-            ", ".join(f"{value:.9g}" for value in row) + "\n" for row in zip(*rows.values())), kept=True)
-        self.write(f"runs/{name}.toml", "\n".join(lines) + "\n", kept=True)
+        self._keep(f"{name}.csv", ", ".join(rows) + "\n" + "".join(
+            ", ".join(f"{value:.9g}" for value in row) + "\n" for row in zip(*rows.values())))
+        self._keep(f"{name}.toml", "\n".join(lines) + "\n")
         begin = time.monotonic()
         if not os.path.exists(os.path.join(self.runs, name)):
             self.report(f"{name:12} {len(next(iter(rows.values())))} cases")

@@ -118,23 +118,23 @@ class Sweep:
             axis["keys"] = [{"key": resolve(scene, key), **_ends(key, ends)} for key, ends in axis["keys"].items()]
         return axis
 
-    def write(self, path: str | os.PathLike[str]) -> SweepFile:
+    def write(self, path: str | os.PathLike[str], force: bool = False) -> SweepFile:
         """Writes the sweep file, and a Scene beside it, and checks the sweep. Raises SceneError with every problem.
 
-        Existing files are replaced only if a Sweep has written them, which their first line states. Raises RecordError for others.
+        A file that exists with other contents is replaced only with `force`; else RecordError is raised and no file is changed.
         """
         files = self._files(Path(path))
         _check(files)
-        _replace(files, _is_own)
+        _write(files, force)
         return SweepFile.read(str(path))
 
     def _files(self, path):
         """Text by file: the sweep file, and a Scene beside it."""
         if not isinstance(self.scene, Scene):
-            return {path: MARK + self._text(self._place())}
+            return {path: self._text(self._place())}
         name = path.name[:-5] if path.name.endswith(".toml") else path.name
         scene = path.with_name(name + ".scene.toml")
-        return {path: MARK + self._text(scene.name), scene: MARK + self.scene.text}
+        return {path: self._text(scene.name), scene: self.scene.text}
 
     def run(self, folder: str | os.PathLike[str], threads: int = 0, progress: Any = True, client: Any = None) -> Results:
         """Runs what is missing in the folder, on so many threads (0: all), and returns results(folder).
@@ -173,7 +173,7 @@ class Sweep:
 
     def _has_files(self, folder):
         """Whether a folder has the files of this sweep."""
-        return all(file.is_file() and file.read_bytes() == text.encode() for file, text in self._files(folder / "sweep.toml").items())
+        return all(_has(file, text) for file, text in self._files(folder / "sweep.toml").items())
 
     def _run_on(self, client, folder, threads, progress):
         from distributed import Event
@@ -226,18 +226,10 @@ class Sweep:
         files = self._files(folder.with_name(folder.name + ".toml"))
         folder.parent.mkdir(parents=True, exist_ok=True)
         _check(files)
-        _replace(files, lambda there, text: there == text)
+        _write(files)
         worker = shlex.join(["exec", program, "batch", str(next(iter(files))), "-o", str(folder)])
         return subprocess.run(["sbatch", "--parsable", f"--array=1-{workers}", "--requeue", *arguments, "--wrap", worker], check=True,
                               stdout=subprocess.PIPE, text=True).stdout.strip()
-
-
-MARK = "# Written by cvtflow.Sweep, which may replace this file.\n"
-
-
-def _is_own(there, text):
-    """Whether a file may be replaced: written by a Sweep, or the same but for the first line (of earlier versions)."""
-    return there.startswith(MARK) or MARK + there == text
 
 
 def _check(files):
@@ -252,18 +244,24 @@ def _check(files):
             raise SceneError(str(error).replace(folder, str(first.parent))) from None
 
 
-def _replace(files, may_replace):
-    """Writes files whose existing contents may be replaced, each at once. Raises RecordError before anything is written."""
-    for file, text in files.items():
-        if file.is_symlink() or (file.exists() and not file.is_file()):
-            raise RecordError(f"{file}: cannot be written: not a plain file")
-        if file.exists() and not may_replace(file.read_text(encoding="utf-8", errors="replace"), text):
-            raise RecordError(f"{file}: already exists and is not the file of this sweep; move it away, or use another name")
-    for file, text in files.items():
-        new = file.with_name(f".{file.name}.{os.getpid()}.new")
-        with open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666), "w", encoding="utf-8") as opened:
-            opened.write(text)
-        os.replace(new, file)
+def _write(files, force=False):
+    """Writes those files that do not have their text yet; all places are checked before. Raises RecordError."""
+    from ._output import Output, OutputError
+
+    for last in [False] * 25 + [True]:  # of processes that begin a sweep together one writes, in this half second
+        try:
+            outputs = {file: Output(str(file), force=force) for file, text in files.items() if not _has(file, text)}
+            for file, output in outputs.items():
+                output.write(files[file].encode())
+            return
+        except OutputError as error:
+            if last:
+                raise RecordError(str(error).replace("--force", "write() with force=True")) from None
+            time.sleep(0.02)
+
+
+def _has(file, text):
+    return file.is_file() and file.read_bytes() == text.encode()
 
 
 def _rows(values):

@@ -6,7 +6,6 @@ import contextlib
 import hashlib
 import json
 import os
-import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -85,11 +84,11 @@ def read_kept(path: str) -> dict[str, Any]:
 
 
 def replace(path: str, data: bytes) -> None:
-    """Writes a file, which takes its name when it is complete."""
+    """Writes a file of the cache, or of a sweep's folder."""
+    from ._output import Output
+
     os.makedirs(os.path.dirname(path), exist_ok=True)
-    with tempfile.NamedTemporaryFile(dir=os.path.dirname(path), delete=False) as file:
-        file.write(data)
-    os.replace(file.name, path)
+    Output(path, force=True).write(data)
 
 
 @plain("tune")

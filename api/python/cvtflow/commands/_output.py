@@ -1,4 +1,4 @@
-"""Files that commands write, by the one rule of docs/records.md: a command writes FILE.part, syncs it and renames it to FILE. A file that
+"""Files that commands and sweeps write, by the one rule of docs/records.md: FILE.part is written, synced and renamed to FILE. A file that
 exists is refused without --force, but for default names in results/. An input is never replaced.
 """
 
@@ -7,8 +7,6 @@ import fcntl
 import os
 import re
 import stat
-
-from ._front import visible
 
 
 class OutputError(OSError):
@@ -174,13 +172,9 @@ def give_name(part, path, replaces):
     try:
         os.link(part, path)
         os.unlink(part)
-    except FileExistsError:
-        if _other_than_file(path) or not replaces():
-            raise OutputError(f"{path}: another program has written it meanwhile and it stays; the file of this one is {part}") from None
-        os.chmod(part, stat.S_IMODE(os.stat(path).st_mode))
+    except OSError:  # it exists, or this file system has no hard links
+        if os.path.lexists(path):
+            if _other_than_file(path) or not replaces():
+                raise OutputError(f"{path}: another program has written it meanwhile and it stays; the file of this one is {part}") from None
+            os.chmod(part, stat.S_IMODE(os.stat(path).st_mode))
         os.rename(part, path)
-
-
-def report_written(path):
-    """Prints the path of a file."""
-    print(visible(path))

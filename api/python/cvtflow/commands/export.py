@@ -6,8 +6,8 @@ import os
 import re
 from html import escape
 
+from .._output import Output, OutputError, give_name, sync_folder
 from ._front import FORCE, UsageError, file_or_result, require, say
-from ._output import Output, OutputError, give_name, sync_folder
 
 DESCRIPTION = "Write a record for other programs: channels as CSV, pins and plates for ParaView"
 FOOTER = """

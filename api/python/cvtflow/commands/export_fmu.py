@@ -1,7 +1,7 @@
 """`cvtflow export-fmu`: a scene as an FMU."""
 
+from .._output import Output
 from ._front import FORCE, UsageError, require, say, visible
-from ._output import Output
 from ._scenes import declare_scene, load
 
 DESCRIPTION = "Write a scene as an FMU for other simulators (FMI 2.0 or 3.0)"

@@ -2,9 +2,10 @@
 
 import math
 
-from . import _output, _scenes
+from .._output import Output
+from . import _scenes
 from ._columns import table
-from ._front import FORCE, UsageError, require, say
+from ._front import FORCE, UsageError, require, say, visible
 
 DESCRIPTION = "Adjust keys of a scene to measured values, with confidence intervals"
 FOOTER = """Headings of the data are keys of the scene (operating points) and scalars of a sweep (measured values), with units:
@@ -36,7 +37,7 @@ def act(given):
             raise UsageError(f"--key {each}: expected KEY=LOW:HIGH, such as tip.friction_coefficient=0.05:0.14")
         ranges[key] = low, high
     deviations = {name: float(value) for name, _, value in (each.partition("=") for each in given.deviation)}
-    output = _output.Output(given.output, inputs=[given.data, given.scene], force=given.force) if given.output else None
+    output = Output(given.output, inputs=[given.data, given.scene], force=given.force) if given.output else None
     found = fit(_scenes.load(given), ranges, given.data, deviations=deviations, threads=given.threads)
     lines = [[key, f"{value:.5g}", *(f"{end:.5g}" for end in found.confidence[key]), _unit(key)] for key, value in found.values.items()]
     print(table(["key", "value", "from", f"to ({100 * found.level:g} %)", "unit"], lines, [True, False, False, False, True], 2), end="")
@@ -47,7 +48,7 @@ def act(given):
         say(f"{found.free} measured values more than keys: further points narrow the intervals")
     if output:
         output.write(found.scene.text.encode())
-        _output.report_written(given.output)
+        print(visible(given.output))
 
 
 def _unit(key):

@@ -2,8 +2,8 @@
 
 import os
 
-from ._front import FORCE, SI, UsageError, file_or_result, matplotlib, require
-from ._output import Output, inputs_of, picture_path, report_written
+from .._output import Output, inputs_of, picture_path
+from ._front import FORCE, SI, UsageError, file_or_result, matplotlib, require, visible
 
 DESCRIPTION = "Draw records or a sweep: curves, orders, losses, maps; SVG, PNG or CSV"
 FOOTER = """
@@ -103,4 +103,4 @@ def act(given):
     if not drawn.panels:
         raise UsageError(f"nothing to draw: name a channel (cvtflow info {files[0]})")
     output.write(_figures.csv(drawn.panels) if kind == ".csv" else _figures.picture(drawn, kind[1:]))
-    report_written(path)
+    print(visible(path))

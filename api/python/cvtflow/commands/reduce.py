@@ -2,8 +2,8 @@
 
 import os
 
-from ._front import UsageError, matplotlib, require
-from ._output import default_place
+from .._output import default_place
+from ._front import FORCE, UsageError, matplotlib, require
 from ._scenes import declare_scene, load
 
 DESCRIPTION = "Reduce a machine to its steady map and shift law: tables and an FMU with measured errors"
@@ -19,6 +19,7 @@ def declare(parser, command="reduce", files="tables, picture and FMUs"):
     add = parser.add_argument
     add("-o", "--output", metavar="DIR", help=f"Folder for {files} (default: results/NAME_{command})")
     add("--axes", metavar="FILE", help="TOML file of axes, instead of the scene's ranges (docs/reduce.md)")
+    add("--force", action="store_true", help=FORCE)
     add("--threads", metavar="COUNT", type=int, default=0, help="Threads of the sweeps (default: all)")
 
 
@@ -41,7 +42,7 @@ def request_of(given, command, margin=None):
     matplotlib()
     return {"name": scene.name, "scene": {key: value_of(scene.value(key)) for key in scene}, "text": scene.text, "place": place,
             "folder": os.path.abspath(place), "program": os.environ["CVTFLOW_PROGRAM"], "axes": axes, "threads": given.threads,
-            "detail": given.detail or "rigid", "margin": margin}
+            "detail": given.detail or "rigid", "margin": margin, "force": given.force, "named": bool(given.output)}
 
 
 def carried_out(function, request):

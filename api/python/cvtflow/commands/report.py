@@ -1,7 +1,7 @@
 """`cvtflow report`: a page of records or of sweeps."""
 
+from .._output import Output, inputs_of, picture_path
 from ._front import FORCE, SI, UsageError, file_or_result, matplotlib, require, say, visible
-from ._output import Output, inputs_of, picture_path
 
 DESCRIPTION = "Write a self-contained HTML page of records or a sweep: curves, the running chain, tables"
 FOOTER = """

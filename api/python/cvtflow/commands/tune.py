@@ -5,9 +5,9 @@ import math
 import os
 from pathlib import Path
 
+from .._output import Output, beside, inputs_of
 from ._columns import table
 from ._front import FORCE, UsageError, interruptible, say, visible
-from ._output import Output, beside, inputs_of
 from ._scenes import declare_scene, load
 
 DESCRIPTION = "Find the cheapest detail, method and step for a target accuracy, by measuring"
