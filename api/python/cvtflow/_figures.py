@@ -31,6 +31,7 @@ class Line:
     y: np.ndarray
     style: dict = dataclasses.field(default_factory=dict)  # of Axes.plot; {"stairs": edges} draws steps
     sets_ends: bool = True  # whether axes reach its points
+    in_legend: bool = True
 
 
 @dataclasses.dataclass
@@ -177,17 +178,20 @@ def _fill(axis, panel, is_last):
         _legend(axis, panel, is_last)
 
 
+def _legend_names(panel):
+    return [line.name for line in panel.lines if line.name and line.in_legend] + panel.kinds
+
+
 def _legend_columns(panel):
     """Columns of a legend below the frame; 0: it has room beside it."""
-    longest = max((len(name) for name in [line.name for line in panel.lines] + panel.kinds if name), default=0)
+    longest = max(map(len, _legend_names(panel)), default=0)
     return max(1, min(4, 112 // (longest + 6))) if longest > _LEGEND or panel.bars and panel.kinds else 0   # texts of bars need the room
 
 
 def _legend_height(panel):
     """Of a legend below the frame [inch]."""
-    names = sum(1 for line in panel.lines if line.name) + len(panel.kinds)
     columns = _legend_columns(panel)
-    return 0.1 + 0.19 * math.ceil(names / columns) if columns else 0.0
+    return 0.1 + 0.19 * math.ceil(len(_legend_names(panel)) / columns) if columns else 0.0
 
 
 def _legend(axis, panel, is_last):
@@ -254,7 +258,7 @@ def _lines(axis, panel):
         if "color" not in look:
             number = next(free)
             look |= {"color": colour(number)} | ({"linestyle": dashes(number)} if "linestyle" not in look and dashes(number) != "solid" else {})
-        label = wrapped(line.name) if line.name else None
+        label = wrapped(line.name) if line.name and line.in_legend else None
         if "stairs" in look:
             axis.stairs(line.y, look.pop("stairs"), label=label, **look)
             continue

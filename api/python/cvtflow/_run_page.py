@@ -273,6 +273,7 @@ def _spectra(records, si):
         if why := without_spectra(record):
             return [text(f"No spectra: {record.path}: {why}.")]
     names = [name for name in plots.overview(records[0]) if all(name in record.info for record in records) and _moves(records[0][name])]
+    names = [name for name in names if records[0].info[name].unit != "1"] or names  # what is heard: forces, torques, speeds
     return [picture(plots.orders(records, names, si=si), "spectra")] if names else [text("No spectra: every quantity is constant.")]
 
 

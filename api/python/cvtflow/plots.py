@@ -206,18 +206,18 @@ def orders(records, channels=(), si=False, ax=None, **style):
             end = min(end, frequency[-1] / unit)
             panel.lines.append(Line(named(name, label), frequency / unit, factor * amplitude, dict(style)))
     end = min(end, _END_ORDER) if marks else end
-    for panel in panels.found.values():
-        panel.y = f"amplitude of {panel.y}" if len(panel.lines) == 1 else f"amplitude, {panel.y}"
-        _finish_orders(panel, marks, end)
-    found = panels.found.values()
+    found = list(panels.found.values())
     for panel in found:
+        panel.y = f"amplitude of {panel.y}" if len(panel.lines) == 1 else f"amplitude, {panel.y}"
+        panel.lines[0].in_legend = len(panel.lines) > 1  # else the title names it
+        _finish_orders(panel, marks, end, panel is found[-1])
         if len(panel.title) > 80:
             panel.title = f"{len(panel.lines)} channels"
-    return draw(list(found), heading(records) + ("; " + orders_text(marks) if marks else ""), ax)
+    return draw(found, heading(records) + ("; " + orders_text(marks) if marks else ""), ax)
 
 
-def _finish_orders(panel, marks, end):
-    """Axis without empty decades, six at most; lines of what repeats below the spectra."""
+def _finish_orders(panel, marks, end, is_last):
+    """Axis without empty decades, six at most; lines of what repeats below the spectra, named in the last panel."""
     within = np.concatenate([line.y[(line.x <= end) & (line.y > 0.0)] for line in panel.lines] or [np.ones(1)])
     within = within if len(within) else np.ones(1)
     largest = within.max()
@@ -230,7 +230,8 @@ def _finish_orders(panel, marks, end):
     lines = []
     for text, at, tint, pins in order_marks(marks, end) if marks else []:
         x, y = np.repeat(at, 3), np.tile([bottom, top, math.nan], len(at))
-        lines.append(Line(text, x, y, {"color": tint, "linestyle": "dashed" if pins else "dotted", "linewidth": 1.0 if pins else 1.4}))
+        look = {"color": tint, "linestyle": "dashed" if pins else "dotted", "linewidth": 1.0 if pins else 1.4}
+        lines.append(Line(text, x, y, look, in_legend=is_last))
     panel.lines = lines + panel.lines
 
 
