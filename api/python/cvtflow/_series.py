@@ -153,15 +153,8 @@ class Series:
     pin_frequency: Any = None
     info: Any
 
-    @property
-    def attributes(self) -> dict[str, Any]:
-        """Of the whole file, by name."""
-        return {}
-
-    @property
-    def rows(self) -> int:
-        """Number of rows."""
-        return len(self["time"])
+    attributes: Any = {}
+    rows = property(lambda self: len(self["time"]), doc="Number of rows.")
 
     def read(self, channel: str, first: int = 0, count: int | None = None) -> Array:
         """Rows of a channel: [count] or [count, width]."""
