@@ -38,7 +38,7 @@ class _Writer(NamedTuple):
 WRITERS = (
     _Writer("run -o", f"run tiny -o t.h5 {RUN}", "t.h5"),
     _Writer("run", f"run tiny {RUN}", "results/tiny.h5", COMPLETE),
-    _Writer("run --checkpoint", f"run tiny -o t.h5 --checkpoint-every '1 us' --checkpoint c.h5 {RUN}", "c.h5"),
+    _Writer("run, checkpoint", f"run tiny -o t.h5 --checkpoint-every '1 us' {RUN}", "t.checkpoint"),
     _Writer("settle -o", f"{SETTLE} -o t.h5", "t.h5"),
     _Writer("settle", SETTLE, "tiny.state"),
     _Writer("resume -o", "resume k.checkpoint -q -o t.h5", "t.h5"),
@@ -178,16 +178,13 @@ class Replacement(_Files):
         for old, new in (("scene.toml", "same.toml"), ("a.state", "d.h5.part"), ("notes.txt", "b.h5.part")):
             os.link(old, new)
         by_state, scene = "--set start.state=a.state", "run scene.toml -q"
-        checkpoint = f"{scene} --checkpoint-every '1 h' -o r.h5 --checkpoint"
-        replaced, needed = ": cannot create: it would replace the input ", ": the run needs that name for its record r.h5"
+        replaced = ": cannot create: it would replace the input "
         before = files()
         for line, message in (
                 (f"{scene} -o scene.toml", f"scene.toml{replaced}scene.toml"),
                 (f"{scene} -o ./same.toml", f"./same.toml{replaced}scene.toml"),
                 ("settle scene.toml -q -o scene.toml", f"scene.toml{replaced}scene.toml"),
-                (f"{checkpoint} scene.toml", f"scene.toml{replaced}scene.toml"),
-                (f"{checkpoint} r.h5", f"--checkpoint r.h5{needed}"),
-                (f"{checkpoint} ./r.h5.part", f"--checkpoint ./r.h5.part{needed}"),
+                ("run tiny -q -o k.h5 --checkpoint-every '1 h' --set start.state=k.checkpoint", f"k.checkpoint{replaced}"),
                 (f"{scene} -o b.h5", "b.h5.part: cannot create: File exists"),
                 (f"{scene} {by_state} -o d.h5", "d.h5: cannot create: its .part would replace the input "),
                 (f"run drive.toml -o drive.csv {RUN}", f"drive.csv{replaced}"),

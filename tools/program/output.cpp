@@ -77,23 +77,11 @@ CLI::Option* with_default_place(CLI::Option* option, bool files) {
     });
 }
 
-void require_checkpoint_place(const std::string& path, const std::string& record, const std::vector<std::filesystem::path>& inputs) {
-    engine::require_place({path, engine::any_file()}, inputs);  // an existing file is checked below
-    const auto place = [](const std::string& name) { return std::filesystem::absolute(name).lexically_normal(); };
-    for (const char* suffix : {"", ".part"}) {
-        if (!record.empty() && (place(path) == place(record + suffix) || place(path + suffix) == place(record))) {
-            throw engine::RecordError("--checkpoint " + path + ": the run needs that name for its record " + record);
-        }
-    }
-    std::error_code absent;
-    if (std::filesystem::exists(path, absent)) {
-        try {
-            static_cast<void>(tasks::read_checkpoint(path));
-        } catch (const engine::RecordError& error) {
-            throw engine::RecordError(std::string("--checkpoint: the file exists and is not a checkpoint: ") + error.what());
-        }
-    }
-    engine::require_place({path, engine::is_state_file});
+void require_checkpoint_place(const std::string& path, const std::vector<std::filesystem::path>& inputs) {
+    const auto own = [](const std::string& there) {
+        return there.ends_with(".part") ? engine::is_state_file(there) : is_checkpoint(there);
+    };
+    engine::require_place({path, own, "it is not a checkpoint: move it away"}, inputs);
 }
 
 void keep_checkpoint(const std::string& file) {

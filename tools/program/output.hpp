@@ -34,9 +34,9 @@ inline constexpr const char* force_meaning = "Replace existing output files";
 /// may have the name of one
 CLI::Option* with_default_place(CLI::Option* option, bool files = false);
 
-/// Checks the path of a checkpoint: it must differ from the record's, and an existing file must be a checkpoint, because it is removed at
-/// the end of the run. @throws engine::RecordError
-void require_checkpoint_place(const std::string& path, const std::string& record, const std::vector<std::filesystem::path>& inputs);
+/// Checks the path of a checkpoint: an existing file must be a checkpoint, because it is removed at the end of the run.
+/// @throws engine::RecordError
+void require_checkpoint_place(const std::string& path, const std::vector<std::filesystem::path>& inputs);
 /// Refuses to start a run whose checkpoint exists: that run is unfinished. @throws engine::RecordError
 void keep_checkpoint(const std::string& file);
 /// Removes such a checkpoint, whose record will be replaced, unless it is an input.

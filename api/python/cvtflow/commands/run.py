@@ -5,7 +5,7 @@ from ._scenes import declare_scene, load, read
 from .tune import declare_tuning, settings_of
 
 DESCRIPTION = "Simulate a scene and record it"
-_PASSED = ("--output", "--checkpoint-every", "--checkpoint", "--until", "--threads", "--segments", "--seed")
+_PASSED = ("--output", "--checkpoint-every", "--until", "--threads", "--segments", "--seed")
 
 
 def declare(parser):

@@ -22,7 +22,6 @@ namespace {
 struct RunArguments {
     SceneArguments scene;
     std::string output;
-    std::string checkpoint;
     std::optional<std::string> checkpoint_every;
     bool force = false, quiet = false;
 };
@@ -35,21 +34,20 @@ std::string record_path(const RunArguments& arguments, const tasks::Scene& scene
 }
 
 /// Beside the record, or under the scene's name.
-std::string checkpoint_path(const RunArguments& arguments, const tasks::Scene& scene, const std::string& record) {
-    if (!arguments.checkpoint.empty()) return arguments.checkpoint;
+std::string checkpoint_path(const tasks::Scene& scene, const std::string& record) {
     return beside(record.empty() ? scene.path.stem().string() : record, ".checkpoint");
 }
 
 /// Checks the command line and the output paths before the work begins. A checkpoint beside the record belongs to a run that can be
 /// resumed.
 engine::OutputFile require_places(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
-    const std::string checkpoint = checkpoint_path(arguments, scene, file);
+    const std::string checkpoint = checkpoint_path(scene, file);
     if (arguments.checkpoint_every) static_cast<void>(seconds_of("--checkpoint-every", *arguments.checkpoint_every));
     const bool kept = arguments.checkpoint_every || !file.empty();
     if (kept && !arguments.force) keep_checkpoint(checkpoint);
     engine::OutputFile record = output_file(file, !arguments.output.empty(), arguments.force);
     engine::require_place(record, input_files(scene));
-    if (arguments.checkpoint_every) require_checkpoint_place(checkpoint, file, input_files(scene));
+    if (arguments.checkpoint_every) require_checkpoint_place(checkpoint, input_files(scene));
     if (kept && arguments.force) forget_checkpoint(checkpoint, input_files(scene));
     say(arguments.quiet, replacing(file));
     return record;
@@ -75,7 +73,7 @@ tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& sce
     options.file = file;
     if (arguments.checkpoint_every) {
         options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.checkpoint_every);
-        options.checkpoint = checkpoint_path(arguments, scene, file.path);
+        options.checkpoint = checkpoint_path(scene, file.path);
     }
     options.notice = [](const std::string& text) { print_error(text); };
     return tasks::run_scene(scene, options);
@@ -142,10 +140,8 @@ Action declare_run(CLI::App& app) {
         ->type_name("FILE");
     app.add_flag("--force", arguments->force, force_meaning);
     app.add_option("--checkpoint-every", arguments->checkpoint_every,
-                   "Wall time between checkpoints, e.g. \"10 min\" (default: no checkpoints)")
+                   "Wall time between checkpoints, NAME.checkpoint beside the record, e.g. \"10 min\" (default: none)")
         ->type_name("TIME");
-    app.add_option("--checkpoint", arguments->checkpoint, "Checkpoint file (default: beside the record, NAME.checkpoint)")
-        ->type_name("FILE");
     declare_shortcut(app, scene, "--method", "run.method", "NAME");
     declare_shortcut(app, scene, "--step", "run.step", "TIME");
     declare_shortcut(app, scene, "--tolerance", "run.tolerance", "NUMBER");
