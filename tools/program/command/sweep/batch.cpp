@@ -157,8 +157,11 @@ std::string cases_text(const tasks::Sweep& sweep) {
         std::vector<std::string> cells{std::to_string(number)};
         for (std::size_t a = 0; a < sweep.axes.size(); ++a) {
             const tasks::Axis& axis = sweep.axes[a];
-            for (std::size_t k = 0; k < axis.keys.size(); ++k)
-                cells.push_back(tasks::axis_text(*axis.keys[k], axis.at(sweep.row(number, a), k)));
+            for (std::size_t k = 0; k < axis.keys.size(); ++k) {
+                const std::string text = tasks::axis_text(*axis.keys[k], axis.at(sweep.row(number, a), k));
+                const std::optional<double> value = engine::number_of(text);
+                cells.push_back(value ? fmt::format("{:.6g}", *value) : text);
+            }
         }
         table.add(cells);
     }
