@@ -76,8 +76,8 @@ Estimate cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulati
     tasks::Fault fault;
     const double wall = tasks::step_wall(scene, trial, untried, &fault);
     const std::string takes = duration_text(wall * static_cast<double>(running + settling));
-    text += field("time", wall > 0.0 ? fmt::format("{}{} on one thread (measured on its first steps)",
-                                                   takes.starts_with("less") ? "" : "about ", takes)
+    const char* about = takes.starts_with("less") ? "" : run.until.automatic() ? "at most about " : "about ";
+    text += field("time", wall > 0.0 ? fmt::format("{}{} on one thread (measured on its first steps)", about, takes)
                                      : "not measured: " + untried);
     return {text, fault ? fault.message() : wall > 0.0 ? "" : untried};
 }
