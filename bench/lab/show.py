@@ -18,7 +18,8 @@ _here = os.path.dirname(os.path.abspath(__file__))
 _spec = importlib.util.spec_from_file_location("cvtflow", os.path.join(_here, "__init__.py"), submodule_search_locations=[_here])
 sys.modules["cvtflow"] = importlib.util.module_from_spec(_spec)  # the package of this folder, without the library
 
-from cvtflow.commands import _columns, _front, _output  # noqa: E402
+from cvtflow import _output  # noqa: E402
+from cvtflow.commands import _columns, _front  # noqa: E402
 from cvtflow.commands._front import visible  # noqa: E402
 
 

@@ -143,7 +143,7 @@ def missing(record, word):
     """Why a record has no channel or group of that name, and how to record it."""
     if how := how_to_record(word):
         return f"{record.path} was recorded without this channel ({how})"
-    return f"neither a file nor a channel of {record.path}{_known.suggestion(word, record.info)}"
+    return f"neither a file nor a channel of {record.path or 'the run'}{_known.suggestion(word, record.info)}"
 
 
 def _parts(channel, width):

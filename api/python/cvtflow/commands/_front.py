@@ -42,7 +42,7 @@ class Parser(argparse.ArgumentParser):
         """The arguments of a command line; options may stand between positional ones. Raises UsageError."""
         found, unknown = self.parse_known_intermixed_args(words)
         if unknown:
-            names = [name for action in self._actions for name in action.option_strings if name.startswith("--")]
+            names = [name for action in self._actions[1:] for name in action.option_strings if name.startswith("--")]  # but --help
             option = next((each.partition("=")[0] for each in unknown if each.startswith("--")), "")
             near = difflib.get_close_matches(option, names, 1)
             several = "s were" if len(unknown) > 1 else " was"

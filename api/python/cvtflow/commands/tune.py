@@ -44,8 +44,7 @@ def declare(parser):
         help='Levels of detail to choose from, separated by commas: LEVEL, or LEVEL KEY=VALUE such as "full detail.plates=lumped" (default: all, '
              "and the scene's)")
     add("--all", action="store_true", help="Measure every choice at every point: the whole table of cost and error")
-    add("--write", metavar="FILE", help="Scene to write, with a state beside it if the detail requires one (default: SCENE.tuned.toml, replaced "
-                                        "with a notice)")
+    add("--write", metavar="FILE", help="Scene to write, with a state beside it if the detail requires one (default: SCENE.tuned.toml)")
     add("--force", action="store_true", help=FORCE)
     add("--json", action="store_true", help="Print all results as JSON, with provenance, in place of the table")
     add("-q", "--quiet", action="store_true", help="Print no progress")
