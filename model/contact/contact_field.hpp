@@ -20,8 +20,8 @@ struct ContactComponents {
     int joint_points;  ///< integration points of a joint
     int plates;        ///< plates of a link
 
-    /// Frame of the link: t_x, t_y, 1/|d0|.
-    static constexpr int frame_x = 0, frame_y = 1, inverse_length = 2;
+    /// Frame of the link: t_x, t_y, 1/|d0|; and |d0| θ'².
+    static constexpr int frame_x = 0, frame_y = 1, inverse_length = 2, outward = 3;
     /// Components of a joint point; the joint is that of the link's rear pin.
     struct Joint {
         static constexpr int normal_x = 0, normal_y = 1, lever_before = 2, lever_after = 3, friction_limit = 4, count = 5;
@@ -31,7 +31,7 @@ struct ContactComponents {
     struct Tip {
         static constexpr int normal = 0, lever_x = 3, lever_y = 4, sheave = 5, drift = 8, friction_limit = 11, count = 12;
     };
-    [[nodiscard]] constexpr int joint(int point) const noexcept { return 3 + Joint::count * point; }
+    [[nodiscard]] constexpr int joint(int point) const noexcept { return 4 + Joint::count * point; }
     /// μN of a plate [N].
     [[nodiscard]] constexpr int plate(int number) const noexcept { return joint(joint_points) + number; }
     [[nodiscard]] constexpr int tip(int corner) const noexcept { return plate(plates) + Tip::count * corner; }

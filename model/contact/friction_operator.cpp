@@ -29,11 +29,6 @@ MirroredMatrix<float> rounded(const MirroredMatrix<double>& matrix) {
     return to;
 }
 
-HeldInverse free_inverse(const LinkInertia& inertia) noexcept {
-    const MirroredMatrix<double> lateral = mirrored_inverse(inertia.lateral_matrix.data(), axis_terms);
-    return {lateral, lateral, mirrored_inverse(inertia.axial_matrix.data(), 2)};
-}
-
 }  // namespace
 
 ContactField::ContactField(const ChainModel& chain)
@@ -53,22 +48,23 @@ FrictionNumbers::FrictionNumbers(const Coefficients& c, const HeldInverse& respo
       tip_law(c.tip.law),
       joint_points(rounded(c.joint_points)),
       plates(rounded(c.plates)) {
-    respond_by(responses);
-}
-
-void FrictionNumbers::respond_by(const HeldInverse& responses) noexcept {
-    inverse = {rounded(responses.along), rounded(responses.across), rounded(responses.axial), {}};
+    inverse = {rounded(responses.along), rounded(responses.across), rounded(responses.axial), {}, {}, {}};
     round_all(responses.turning, inverse.turning);
+    round_all(responses.wave_plates, inverse.wave_plates);
+    round_all(responses.wave_joint, inverse.wave_joint);
 }
 
 FrictionOperator::FrictionOperator(const ChainModel& chain, const FrictionKernels& kernels)
-    : chain_(chain), inverse_(free_inverse(chain.inertia())), numbers_(chain.coefficients(), inverse_), kernels_(kernels) {}
+    : chain_(chain),
+      inverse_(HeldLinks(chain.coefficients(), chain.inertia()).inverse(0.0)),
+      numbers_(chain.coefficients(), inverse_),
+      kernels_(kernels) {}
 
 void FrictionOperator::hold(float step) noexcept {
     if (step == held_for_) return;
     held_for_ = step;
     inverse_ = HeldLinks(chain_.coefficients(), chain_.inertia()).inverse(step);
-    numbers_.respond_by(inverse_);
+    numbers_ = {chain_.coefficients(), inverse_};
 }
 
 }  // namespace cvtflow::model

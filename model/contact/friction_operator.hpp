@@ -14,14 +14,13 @@ namespace cvtflow::model {
 struct FrictionNumbers {
     FrictionNumbers(const Coefficients& coefficients, const HeldInverse& responses);
 
-    /// Takes another inverse.
-    void respond_by(const HeldInverse& responses) noexcept;
-
     double joint_saturation, plate_saturation, tip_saturation;  ///< speeds from which friction has its full strength [m/s]
     std::shared_ptr<const TipLaw> tip_law;                      ///< nullptr: none
     PointLanes<max_joint_lanes, float> joint_points;
     PointLanes<max_plate_lanes, float> plates;
     HeldNumbers<float> inverse;
+
+    [[nodiscard]] bool filter_waves() const noexcept { return inverse.wave_joint[0] > 0.0F; }
 };
 
 class FrictionOperator;

@@ -270,7 +270,8 @@ private:
     void accelerate(const V* f, const LaneRows<W, float>& to) const noexcept {
         constexpr auto to_end = static_cast<float>(1.0 / sweep_time);
         const bool closing = sweep_.part == SweepPart::closing;
-        const LaneRows<W, const float> start = links_.rows_of(*sweep_.start), base = links_.rows_of(*sweep_.base);
+        const float per_step = 1.0F / responses_.step;
+        const LaneRows<W, const float> start = links_.rows_of(*sweep_.start), base = links_.rows_of(std::as_const(*sweep_.base));
         V change[link_layout.link_size()];
         respond(f, change);
         for (int row = 0; row < link_layout.link_size(); ++row) {
@@ -278,6 +279,9 @@ private:
             if (sweep_.part == SweepPart::opening) v = start[row] + responses_.step * base[row];
             v += responses_.step * change[row];
             to.put(row, closing ? start[row] + to_end * (v - start[row]) : v);
+            if (!closing || row >= SweepRows::wave_rows) continue;
+            const V before = before_[rows_.lasting(row)], now = per_step * (v - start[row]) - base[row];
+            friction_.now.put(rows_.lasting(row), before + static_cast<float>(lasting_share) * (now - before));
         }
     }
 
@@ -386,10 +390,95 @@ private:
     const SweepRows rows_ = friction_.rows;
 };
 
+/// Plates along their links, and joints along their normals, as if they were deflected by u + β h² u'', where u'' is by all forces but
+/// friction and by friction as it lasts. Accelerations are in the place of the links' velocities.
+template <int W>
+class WaveFilter {
+public:
+    using V = Lanes<W>;
+    using Joints = JointContacts<W>;
+
+    WaveFilter(const FrictionOperator& friction, const LinkLanes<W>& links) noexcept
+        : numbers_(friction.numbers()), arm_(friction.chain().coefficients().joint.arm), links_(links) {}
+
+    /// Forces of the joints of their rear pins, to scratch.
+    void joints() const noexcept {
+        const Joints joints{links_, numbers_};
+        const LaneRows<W, const float> before = links_.before().contact;
+        const auto rates = joints.rates();
+        const int middle = joints.points() / 2;
+        const V nx = joints.contact(middle, ContactComponents::Joint::normal_x),
+                ny = joints.contact(middle, ContactComponents::Joint::normal_y);
+        const auto lever = [&](const LaneRows<W, const float>& frame) {
+            return arm_ * (frame[ContactComponents::frame_x] * ny - frame[ContactComponents::frame_y] * nx);
+        };
+        const V lever_before = lever(before), lever_after = lever(links_.contact);
+        V gap[n], force[Joints::rows];
+        for (int m = 0; m < n; ++m) gap[m] = nx * rates.x[m] + ny * rates.y[m];
+        gap[0] += lever_before * rates.before + lever_after * rates.after;
+        for (int m = 0; m < n; ++m) {
+            const V pull = product(numbers_.inverse.wave_joint, m, gap);
+            if (m == 0) force[Joints::moment_before] = -(lever_before * pull), force[Joints::moment_after] = -(lever_after * pull);
+            force[m] = -(pull * nx);
+            force[n + m] = -(pull * ny);
+        }
+        force[Joints::z] = force[Joints::e] = V(0.0);
+        JointForces<W>(links_.range).put(links_.group, force);
+    }
+
+    /// Takes the lasting accelerations off, and adds those by the filter. @param before FrictionSweep::before
+    void links(FloatColumns& base, const FloatColumns& before) const noexcept {
+        const V tx = links_.contact[ContactComponents::frame_x], ty = links_.contact[ContactComponents::frame_y];
+        const JointForces<W> joints(links_.range);
+        V f[link_layout.link_size()], stretch[n];
+        joints.act(links_.group, f);
+        links_.add_couple(joints.moment(links_.group), f);
+        const auto apart = [&](int front, int rear) { return links_.velocity[front] - links_.velocity[rear]; };
+        for (int m = 0; m < n; ++m)
+            stretch[m] = tx * apart(link_layout.x(End::front, m), link_layout.x(End::rear, m)) +
+                         ty * apart(link_layout.y(End::front, m), link_layout.y(End::rear, m));
+        stretch[0] += links_.contact[ContactComponents::outward];
+        for (int m = 0; m < n; ++m) {
+            const V pull = product(numbers_.inverse.wave_plates, m, stretch), x = pull * tx, y = pull * ty;
+            f[link_layout.x(End::rear, m)] += x;
+            f[link_layout.y(End::rear, m)] += y;
+            f[link_layout.x(End::front, m)] = f[link_layout.x(End::front, m)] - x;
+            f[link_layout.y(End::front, m)] = f[link_layout.y(End::front, m)] - y;
+        }
+        multiply_turned(numbers_.inverse.along, numbers_.inverse.across, tx, ty, f, f);
+        const LaneRows<W, float> to = links_.rows_of(base);
+        const LaneRows<W, const float> lasting = links_.rows_of(before);
+        const SweepRows rows{links_.field.components.joint_points};
+        for (int row = 0; row < SweepRows::wave_rows; ++row) to.put(row, to[row] - lasting[rows.lasting(row)] + f[row]);
+    }
+
+private:
+    static constexpr int n = axis_terms;
+
+    [[nodiscard]] static V product(const AxisMatrix<float>& matrix, int row, const V* modes) noexcept {
+        const float* first = matrix.data() + row * n + row % 2;
+        return first[0] * modes[row % 2] + first[2] * modes[row % 2 + 2];
+    }
+
+    const FrictionNumbers& numbers_;
+    const double arm_;  ///< lever of a link's turning along its joints' normals [m]
+    const LinkLanes<W> links_;
+};
+
+inline void filter_waves(const FrictionOperator& friction, const ContactField& field, FrictionRange range,
+                         const FrictionSweep& sweep) noexcept {
+    const int links = range.last - range.first;
+    range.velocity = sweep.base->at(0, range.first + range.shift - 1);
+    range.stride = sweep.base->stride();
+    over_groups(0, links + 1, [&]<int W>(int group) { WaveFilter<W>(friction, {field, range, group}).joints(); });
+    over_groups(0, links, [&]<int W>(int group) { WaveFilter<W>(friction, {field, range, group}).links(*sweep.base, *sweep.before); });
+}
+
 /// A pass over the links of a range: their joints, then the links.
 inline void sweep_links(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
                         const FrictionSweep& sweep) noexcept {
     const int links = range.last - range.first;
+    if (sweep.part == SweepPart::opening && friction.numbers().filter_waves()) filter_waves(friction, field, range, sweep);
     over_groups(0, links + 1, [&]<int W>(int group) { JointSweep<W>(friction, {field, range, group}, sweep).run(); });
     over_groups(0, links, [&]<int W>(int group) { LinkSweep<W>(friction, {field, range, group}, sweep).run(); });
 }

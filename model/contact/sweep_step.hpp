@@ -15,6 +15,8 @@ namespace cvtflow::model {
 
 /// Rows of what sweeps keep of a link from step to step; its joint is that of its rear pin.
 struct SweepRows {
+    /// Rows of a link that its waves move: x and y of both halves.
+    static constexpr int wave_rows = 4 * axis_terms;
     int joint_points;  ///< integration points of a joint
 
     /// Share of a point's force across the axis, and along it in the next row [1].
@@ -31,8 +33,13 @@ struct SweepRows {
     [[nodiscard]] constexpr int joint_speed(int point) const noexcept { return 2 * forces() + point; }
     /// Sliding of the plates by which their secants were taken last: z, and e in the next row [m/s].
     [[nodiscard]] constexpr int plate_rate() const noexcept { return joint_speed(joint_points); }
-    [[nodiscard]] constexpr int count() const noexcept { return plate_rate() + 2; }
+    /// Low pass of the accelerations by friction, of row x or y of the link [m/s²].
+    [[nodiscard]] constexpr int lasting(int row) const noexcept { return plate_rate() + 2 + row; }
+    [[nodiscard]] constexpr int count() const noexcept { return lasting(wave_rows); }
 };
+
+/// Share of the new value in the low pass: with three sweeps 0.1 feeds waves of one of twelve machines, 0.3 of three [1].
+inline constexpr double lasting_share = 0.03;
 
 /// ϑ: instant at which friction is solved, in steps from the step's beginning; 1 is backward Euler, 1/2 damps no error of a sweep [1].
 inline constexpr double sweep_time = 0.75;
@@ -65,12 +72,13 @@ struct FrictionSweep {
     SweepPart part;
     float ahead;  ///< share of the forces' last change with which the next step begins [1]
     const SweepResponses* responses;
-    const FloatColumns *base, *start;  ///< accelerations by everything but friction; velocities at the step's start
-    const FloatColumns* before;        ///< [SweepRows::count()] rows, as the step before has left them
-    FloatColumns* kept;                ///< the same of this step
-    FloatColumns* velocity;            ///< velocities at ϑ so far, those of the range
-    FloatColumns* result;              ///< velocities at the end
-    FloatColumns* mean_tip_forces;     ///< [3 tips_per_link] rows: mean force on each tip, x, y, z [N]
+    FloatColumns* base;             ///< accelerations by everything but friction; in: with those that last, unfiltered
+    const FloatColumns* start;      ///< velocities at the step's start
+    const FloatColumns* before;     ///< [SweepRows::count()] rows, as the step before has left them
+    FloatColumns* kept;             ///< the same of this step
+    FloatColumns* velocity;         ///< velocities at ϑ so far, those of the range
+    FloatColumns* result;           ///< velocities at the end
+    FloatColumns* mean_tip_forces;  ///< [3 tips_per_link] rows: mean force on each tip, x, y, z [N]
 };
 
 /// Power that friction takes from a link, with the joint of its rear pin, by kind [W].

@@ -235,6 +235,7 @@ public:
         to.put(ContactComponents::frame_x, frame.tx);
         to.put(ContactComponents::frame_y, frame.ty);
         to.put(ContactComponents::inverse_length, frame.inverse_length);
+        to.put(ContactComponents::outward, frame.turning * frame.turning / frame.inverse_length);
     }
     void joint(const Rows& to, const Difference<V>& rate) const noexcept {
         to.put(to_.field.components.joint_gap(), rate.z);

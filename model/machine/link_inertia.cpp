@@ -119,19 +119,6 @@ WideInverse::WideInverse(const double* rows, int size) noexcept : size_(size) {
     }
 }
 
-MirroredMatrix<double> mirrored_inverse(const double* rows, int size) noexcept {
-    const WideInverse inverse(rows, 2 * size);
-    MirroredMatrix<double> mirrored;
-    for (int m = 0; m < size; ++m) {
-        for (int k = m % 2; k < size; k += 2) {
-            const auto at = static_cast<std::size_t>(m * axis_terms + k);
-            mirrored.sum[at] = static_cast<double>(0.5 * (inverse(m, k) + inverse(m, size + k)));
-            mirrored.difference[at] = static_cast<double>(0.5 * (inverse(m, k) - inverse(m, size + k)));
-        }
-    }
-    return mirrored;
-}
-
 LinkInertia link_inertia(const Parameters& p) {
     const ChainLayout layout = layout_of(p);
     const int lateral = layout.lateral(), bodies = layout.bodies();

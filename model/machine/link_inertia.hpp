@@ -35,9 +35,6 @@ private:
     std::array<Extended, max_lateral_block * max_lateral_block> columns_{};
 };
 
-/// Inverse of a link's matrix. @param rows of the matrix, `size` modes of either end
-[[nodiscard]] MirroredMatrix<double> mirrored_inverse(const double* rows, int size) noexcept;
-
 struct LinkInertia {
     SmallInverse lateral;                                                        ///< inverse of B, for x and for y: [a_0…a_p, b_0…b_p]
     SmallInverse axial;                                                          ///< inverse of C: [a.z, a.e, b.z, b.e]

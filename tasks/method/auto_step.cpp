@@ -21,6 +21,25 @@ constexpr double forever = std::numeric_limits<double>::infinity();
 /// proportion to the step [s].
 constexpr double longest_with_tip_law = 0.7e-6;
 
+/// Largest h times NegativeSlopeFriction::growth(). Machine 93 of the lottery lost 3.6 % too much at 0.37 and 1.0 % at 0.25, machine 27 1.3
+/// % at 0.2 [1].
+constexpr double accurate_growth = 0.15;
+
+/// Least number of steps in which a pin takes the place of the next one. A pin strikes its sheave, and rolls in its joint, within a few
+/// hundredths of that time. Without this limit, 23 of 400 machines of the lottery with rigid pins were off by more than 1 % in losses, by
+/// 3.7 % at most; with 100 steps per pin 13, by 1.6 % at most. With the method since decision 110, 80 steps are as exact as those were.
+/// With halves the slip of `overdrive` is off by 0.35 % in 104 to 125 steps per pin, by 0.2 % in 140 (decision 115).
+constexpr double steps_per_rigid_pin = 80.0, steps_per_pin_of_halves = 140.0;
+
+/// Longest step with halves while a start's ramp loads contacts, which damp more than the last estimate has found [s].
+constexpr double longest_while_loads_rise = 2.858e-6;
+
+[[nodiscard]] double within(double reach, double extent) noexcept { return extent > 0.0 ? reach / extent : forever; }
+
+/// Largest damping δ over the frequency of filtered waves with which they are stable to the limit without damping. Dampers in proportion to
+/// stiffness make x (1 - β x) at x = h²ω² larger by 1 + 4 δ/(h ω²); its largest value is 1/(4 β) of 4, at h ω = 1/√(2 β).
+[[nodiscard]] double filtered_damping(double filter) noexcept { return (4.0 * filter - 0.25) / std::sqrt(2.0 * filter); }
+
 }  // namespace
 
 double longest_automatic_step(const Method& method, const model::Parameters& parameters) {
@@ -30,48 +49,18 @@ double longest_automatic_step(const Method& method, const model::Parameters& par
     return !limited ? longest : std::min(longest, longest_with_tip_law);
 }
 
-namespace {
-
-/// Largest h times NegativeSlopeFriction::growth(). Machine 93 of the lottery lost 3.6 % too much at 0.37 and 1.0 % at 0.25, machine 27 1.3
-/// % at 0.2 [1].
-constexpr double accurate_growth = 0.15;
-
-/// Least number of steps in which a pin takes the place of the next one. A pin strikes its sheave, and rolls in its joint, within a few
-/// hundredths of that time. Without this limit, 23 of 400 machines of the lottery with rigid pins were off by more than 1 % in losses, by
-/// 3.7 % at most; with 100 steps per pin 13, by 1.6 % at most. With the method since decision 110, 80 steps are as exact as those were. At
-/// 2000 rpm a pin takes 85 to 120 steps of 7.14 us. With halves machine 25 (5900 rpm, ratio 0.417) lost 1.6 % too little in 100 steps per
-/// pin, 0.5 % in 140, 0.1 % in 200, and a slip of 2e-4 (machine 0, 5276 rpm) was off by 1.5 % in 150, as held links allow; at 2000 rpm a
-/// pin takes 189 steps of 2.86 us and more.
-constexpr double steps_per_rigid_pin = 80.0, steps_per_pin_of_halves = 185.0;
-
-[[nodiscard]] double within(double reach, double extent) noexcept { return extent > 0.0 ? reach / extent : forever; }
-
-/// Largest damping δ over the frequency of filtered waves with which they are stable to the limit without damping. Dampers in proportion to
-/// stiffness make x (1 - β x) at x = h²ω² larger by 1 + 4 δ/(h ω²); its largest value, 1/(4 β) at h ω = 1/√(2 β), is 3.57 of 4 with β =
-/// 0.07, which leaves 0.12, and 0.12/4 · 2.67 = 0.08 of the frequency.
-constexpr double filtered_damping = 0.08;
-
-/// Longest stable step of an oscillation ω with an explicit damping δ. A leapfrog that takes the damping at velocities extrapolated to the
-/// middle of the step is stable up to (h ω/2)² + h δ = 1. Where friction beside it takes some of the stability away, shares add up instead:
-/// h ω/2 + h δ = 1.
-/// @param oscillation, damping shares of their limits per second
-[[nodiscard]] double damped_limit(double oscillation, double damping, bool friction_matters) noexcept {
-    if (friction_matters) return 1.0 / (oscillation + damping);
-    return 2.0 / (damping + std::sqrt(damping * damping + 4.0 * oscillation * oscillation));
-}
-
-}  // namespace
-
 AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& parameters, const Method& method)
     : reach_(reach_of(method)),
       longest_(longest_automatic_step(method, parameters)),
       interval_(parameters.detail.pins == model::PinDetail::rigid && reach_.damping != forever ? rigid_check_interval : check_interval),
       reuses_eigenvectors_(parameters.detail.pins == model::PinDetail::rigid),
-      filter_(method.program() != nullptr ? method.program()->wave_filter : 0.0),
+      held_(held_links(method, variator.chain())),
+      filter_(held_ != nullptr ? held_->wave_filter() : reach_.filter),
       memory_(std::make_shared<SpectralMemory>(variator.layout())),
-      bound_(variator, filter_ > 0.0 ? MovedPart::all_but_waves : MovedPart::all, memory_, held_links(method, variator.chain())),
+      bound_(variator, filter_ > 0.0 ? MovedPart::all_but_waves : MovedPart::all, memory_, held_),
       variator_(variator),
-      chain_(parameters.chain) {
+      chain_(parameters.chain),
+      start_(parameters.start) {
     if (variator.chain().coefficients().tip.law != nullptr)
         friction_growth_ = std::make_unique<NegativeSlopeFriction>(variator, parameters);
     if (friction_growth_ != nullptr) interval_ = check_interval;  // the forces that the growth is in proportion to change with the load
@@ -81,17 +70,40 @@ AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& par
     for (model::Friction* friction : {&without_friction.plate.friction, &without_friction.joint.friction, &without_friction.tip.friction})
         friction->coefficient = 0.0;
     frictionless_ = std::make_unique<model::Variator>(without_friction);
-    std::vector<MovedPart> parts{MovedPart::links, MovedPart::pulleys};
-    if (filter_ > 0.0) parts = {MovedPart::other_links, MovedPart::pulleys, MovedPart::waves};
-    for (const MovedPart part : parts) damped_parts_.emplace_back(*frictionless_, part, memory_, held_links(method, variator.chain()));
+    std::vector<MovedPart> parts{MovedPart::all};
+    if (filter_ > 0.0) parts = {MovedPart::all_but_waves, MovedPart::waves};
+    if (friction_matters_) parts = {MovedPart::other_links, MovedPart::pulleys, MovedPart::waves};
+    for (const MovedPart part : parts) damped_parts_.emplace_back(*frictionless_, part, memory_, held_);
 }
 
-/// Treats the strongest damping as if it acted on the fastest oscillation, which need not be so. Links and pulleys are estimated
-/// separately: their fastest motions are far apart. So are waves that are filtered, which have another limit.
+double AutoStep::filtered_limit(const SpectralBound& part) const noexcept {
+    const bool filtered = filter_ > 0.0 && &part == &damped_parts_.back() && part.real() < filtered_damping(filter_) * part.imaginary();
+    return filtered ? within(1.0 / std::sqrt(filter_), part.imaginary()) : 0.0;
+}
+
+/// Where friction takes some of the stability away, shares of the strongest damping and of the fastest oscillation add up, as if one acted
+/// on the other, which need not be so: h ω/2 + h δ = 1.
 double AutoStep::limit_of(const SpectralBound& part) const noexcept {
-    const bool filtered = filter_ > 0.0 && &part == &damped_parts_.back() && part.real() < filtered_damping * part.imaginary();
-    return filtered ? within(1.0 / std::sqrt(filter_), part.imaginary())
-                    : damped_limit(part.imaginary() / reach_.oscillation, part.real() / reach_.damping, friction_matters_);
+    if (part.step() > 0.0) return part.step();
+    const double filtered = filtered_limit(part);
+    return filtered > 0.0 ? filtered : 1.0 / (part.imaginary() / reach_.oscillation + part.real() / reach_.damping);
+}
+
+/// Tries steps, from the longest one on, until one is stable: each with its own hold of the links.
+void AutoStep::find_limit(SpectralBound& part, double time, const double* state, const model::Phase* phases) noexcept {
+    constexpr int most_trials = 10;
+    constexpr double close = 1.02;
+    part.forget();
+    part.take(longest_ / sharp_margin, false);
+    if (filter_ > 0.0 && &part == &damped_parts_.back()) evaluations_ += part.estimate_at_rest(time, state, phases);
+    if (const double limit = filtered_limit(part); limit > 0.0) return part.take(limit, false);
+    double excess = 1.0;
+    for (int trial = 0; trial == 0 || (trial < most_trials && excess > close); ++trial) {
+        part.take(part.step() / excess, true);
+        evaluations_ += part.estimate_oscillation(time, state, phases);
+        excess = part.step() * part.imaginary() / reach_.oscillation;
+    }
+    part.take(part.step() / std::max(1.0, excess), true);
 }
 
 const SpectralBound& AutoStep::most_limiting() const noexcept {
@@ -138,7 +150,7 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
             // Contacts damp more the more they bear; what they bear hardly changes in a settled run whose clamping does not. Waves that are
             // filtered are the links' own, whose stiffness does not change.
             damping_due_ = time == begun_ || time - begun_ >= std::max(soonest_, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9);
-            part_ = 0;
+            part_ = friction_matters_ ? 0 : 1;  // sweeps take friction implicitly: all that limits them is in the other parts
             estimated_ = time;
         }
         checked_ = time;
@@ -151,7 +163,8 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
     }
     const double passing =
         pin_period_ > 0.0 ? pin_period_ / (reuses_eigenvectors_ ? steps_per_rigid_pin : steps_per_pin_of_halves) : forever;
-    return std::min({stable_step(), passing, longest_});
+    const double rising = !friction_matters_ && model::ramp(start_, time) < 1.0 ? longest_while_loads_rise : forever;
+    return std::min({stable_step(), passing, longest_, rising});
 }
 
 /// Forces without the ramp of a start.
@@ -168,15 +181,19 @@ bool AutoStep::clamping_has_risen(double time, const double* state) const noexce
 
 void AutoStep::estimate(double time, const double* state, const model::Phase* phases, int budget) noexcept {
     const int parts = 1 + (damping_due_ ? static_cast<int>(damped_parts_.size()) : 0);
-    do {
+    while (part_ < parts) {
         SpectralBound& part = part_ == 0 ? bound_ : damped_parts_[static_cast<std::size_t>(part_ - 1)];
-        if (part_ > 0 && !reuses_eigenvectors_) part.forget();
-        const bool oscillation = part_ == 0 && reach_.decay == forever;
-        evaluations_ +=
-            oscillation ? part.estimate_oscillation(time, state, phases, budget) : part.estimate_at_rest(time, state, phases, budget);
+        if (!friction_matters_) {
+            find_limit(part, time, state, phases);
+        } else {
+            const bool oscillation = part_ == 0 && reach_.decay == forever;
+            evaluations_ +=
+                oscillation ? part.estimate_oscillation(time, state, phases, budget) : part.estimate_at_rest(time, state, phases, budget);
+        }
         if (!part.complete()) return;
         ++part_;
-    } while (part_ < parts && budget == SpectralBound::unlimited);
+        if (budget != SpectralBound::unlimited) break;
+    }
     if (part_ < parts) return;
     part_ = no_part;
     if (damping_due_) {
@@ -189,7 +206,7 @@ void AutoStep::estimate(double time, const double* state, const model::Phase* ph
 
 LargestStep AutoStep::largest() const noexcept {
     const double share = friction_matters_ ? margin : sharp_margin;
-    const double fastest = filter_ > 0.0 ? most_limiting().imaginary() : bound_.imaginary();
+    const double fastest = !damped_parts_.empty() ? most_limiting().imaginary() : bound_.imaginary();
     const LargestStep limits[] = {
         {share * within(reach_.oscillation, bound_.imaginary()), StepLimiter::oscillation, bound_.imaginary()},
         {share * within(reach_.decay, bound_.real()), StepLimiter::decay, bound_.real()},

@@ -85,7 +85,7 @@ public:
     /// Estimates the spectrum if the last estimate is too old: of pin halves at once, of rigid pins, a millisecond after the beginning and
     /// later, an iteration at a time, so that no call of a host takes much longer than others. time [s], state [unknowns]
     [[nodiscard]] double longest(double time, const double* state, const model::Phase* phases) noexcept override;
-    /// Two thirds of a step of rigid pins (5 us of 7.5), from then on, once the balance has used up 0.7 of its tolerance: its residual
+    /// Two thirds of a step with filtered waves, from then on, once the balance has used up 0.7 of its tolerance: its residual
     /// grows with the step and with the clamping.
     [[nodiscard]] double caution(double balance_error_ratio) const noexcept override {
         return filter_ > 0.0 && balance_error_ratio > 0.7 ? 2.0 / 3.0 : 1.0;
@@ -113,8 +113,12 @@ private:
     static constexpr int turn_evaluations = 2;
     static constexpr int no_part = -1;
 
+    /// Longest step with which the waves of a part are filtered far enough; 0: the filter does not lengthen its steps [s].
+    [[nodiscard]] double filtered_limit(const SpectralBound& part) const noexcept;
     /// Longest stable step of a part of the machine without friction [s].
     [[nodiscard]] double limit_of(const SpectralBound& part) const noexcept;
+    /// Finds it for sweeps, by trial: part.step(). time [s], state [unknowns]
+    void find_limit(SpectralBound& part, double time, const double* state, const model::Phase* phases) noexcept;
     /// The one of damped_parts_, which must not be empty, with the shortest limit.
     [[nodiscard]] const SpectralBound& most_limiting() const noexcept;
     /// Whether a clamping force has risen by a fifth since damped_with_: contacts damp in proportion. time [s], state [unknowns]
@@ -127,11 +131,12 @@ private:
     void estimate(double time, const double* state, const model::Phase* phases, int budget) noexcept;
 
     MethodReach reach_;
-    double longest_;                          ///< maximum of all steps [s]
-    double interval_;                         ///< time between two estimates, in the long run [s]
-    bool reuses_eigenvectors_;                ///< damped_parts_ begin with the directions of the last estimate: rigid pins
-    double filter_;                           ///< β of the method's filter of waves along the chain; 0: it has none
-    std::shared_ptr<SpectralMemory> memory_;  ///< memory that all bounds share
+    double longest_;                                ///< maximum of all steps [s]
+    double interval_;                               ///< time between two estimates, in the long run [s]
+    bool reuses_eigenvectors_;                      ///< damped_parts_ begin with the directions of the last estimate: rigid pins
+    std::shared_ptr<const model::HeldLinks> held_;  ///< nullptr: steps hold no links
+    double filter_;                                 ///< β of the method's filter of waves along the chain; 0: it has none
+    std::shared_ptr<SpectralMemory> memory_;        ///< memory that all bounds share
     SpectralBound bound_;
     std::unique_ptr<const model::Variator> frictionless_;      ///< machine without friction, where damping has another limit
     bool friction_matters_ = true;                             ///< friction reduces the stability of oscillations with damping
@@ -141,6 +146,7 @@ private:
     double growth_ = 0.0;                                      ///< largest growth of sliding at the last estimate [1/s]
     const model::Variator& variator_;
     model::Chain chain_;
+    model::Start start_;
     double pin_period_ = 0.0;                   ///< period at the last estimate; 0: sets no limit [s]
     double checked_ = -1e300, begun_ = -1e300;  ///< times of the last estimate, and of the first one or of a rise [s]
     double estimated_ = -1e300;                 ///< time at which the last estimate began [s]

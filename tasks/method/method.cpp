@@ -163,8 +163,7 @@ std::span<const AutomaticChoice> automatic_choices() noexcept {
     static constexpr std::array choices{
         AutomaticChoice{"leapfrog-rigid", "rigid pins",
                         [](const model::Parameters& parameters) { return parameters.detail.pins == model::PinDetail::rigid; }},
-        AutomaticChoice{"rk4", "pin halves in chains of fewer than 12 pins",
-                        [](const model::Parameters& parameters) { return !missing_contact_fields(parameters).empty(); }},
+        AutomaticChoice{"rk4", "pin halves in chains of fewer than 12 pins", has_few_pins},
         AutomaticChoice{"leapfrog-sweep", "pin halves with the piecewise friction law", sweeps_suit},
         AutomaticChoice{"dumka3", "a rounded corner of the law, stick and slip, saturation speeds below a hundredth of the usual ones",
                         [](const model::Parameters&) { return true; }},

@@ -37,6 +37,7 @@ struct MethodReach {
     double decay = unlimited;        ///< largest h |λ| of friction and damping [1]
     double accurate = unlimited;     ///< largest h ω that it does not damp much more than the chain does itself [1]
     double damping = unlimited;      ///< of methods that solve for friction: largest h δ of damping without friction [1]
+    double filter = 0.0;             ///< β > 0: waves of rigid pins are filtered, and stable up to h ω = 1/√β [1]
 
     bool operator==(const MethodReach&) const = default;
 };
@@ -53,7 +54,6 @@ struct MethodProgram {
     std::string solves = "none";               ///< systems solved in a step
     MethodReach reach = {};                    ///< on its own test equation (decision 64)
     double longest_step = usual_longest_step;  ///< longest automatic step with pin halves [s]
-    double wave_filter = 0.0;                  ///< β > 0: waves along rigid pins are filtered, and stable up to h ω = 1/√β [1]
     bool holds_links = false;                  ///< links are held (model::HeldLinks), so that steps can be longer
     bool estimates_error = false;              ///< StepMethod::error_estimate() has a power
     int revision = 1;  ///< raised whenever a step computes otherwise, so that no checkpoint of the former method is continued

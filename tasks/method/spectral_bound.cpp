@@ -17,8 +17,9 @@ constexpr int cold_iterations = 150, warm_iterations = 15;
 constexpr double converged = 3e-4;  ///< relative change of the estimate
 constexpr int least_budget = 2;     ///< evaluations of an iteration: of the state, and of the moved one
 
-/// Whether place k in the block of a rigid pin is x, y, p or q.
+/// Whether place k in the block of a rigid pin is x, y, p or q, in that of a link x or y.
 [[nodiscard]] bool moves_in_waves(const model::ChainLayout& at, int k) noexcept {
+    if (!at.rigid) return k < at.z(model::End::rear);
     for (const int wave : {0, 1, 3, 4}) {
         if (k == model::rigid_place(at, wave)) return true;
     }
@@ -49,12 +50,18 @@ SpectralBound::SpectralBound(const model::Variator& variator, MovedPart part, st
 
 double SpectralBound::imaginary() const noexcept { return std::sqrt(coordinate_.found); }
 
+void SpectralBound::take(double step, bool damped) noexcept {
+    step_ = step;
+    damping_weight_ = damped ? 4.0 / step : 0.0;
+    if (held_ != nullptr) inverse_ = held_->inverse(step);
+}
+
 /// Calls action(coordinate's index, velocity's index) for what is moved.
 template <class Action>
 void SpectralBound::for_each_unknown(Action action) const noexcept {
     const model::ChainLayout& at = variator_.layout();
     const bool pulleys = part_ == MovedPart::all || part_ == MovedPart::pulleys || part_ == MovedPart::all_but_waves;
-    const bool whole_links = part_ == MovedPart::all || part_ == MovedPart::links, waves = part_ == MovedPart::waves;
+    const bool whole_links = part_ == MovedPart::all, waves = part_ == MovedPart::waves;
     for (int link = 0; link < at.links && part_ != MovedPart::pulleys; ++link) {
         for (int k = 0; k < at.link_size(); ++k) {
             if (whole_links || moves_in_waves(at, k) == waves) action(at.link_begin(link) + k, at.link_begin(link) + at.link_size() + k);
@@ -63,22 +70,11 @@ void SpectralBound::for_each_unknown(Action action) const noexcept {
     for (int k = 0; k < at.pulley_size && pulleys; ++k) action(at.pulley_begin() + k, at.pulley_begin() + at.pulley_size + k);
 }
 
-/// Takes the stiffness of held links, four times, away from the accelerations of moved coordinates.
-void SpectralBound::relieve(const double* state) noexcept {
-    if (held_ == nullptr) return;
-    const model::ChainLayout& at = variator_.layout();
-    std::array<double, model::ChainLayout{}.link_size()> moved;
-    for (int link = 0; link < at.links; ++link) {
-        const int begin = at.link_begin(link), size = at.link_size();
-        const double* from = state + begin;
-        std::transform(from, from + size, memory_->moved.begin() + begin, moved.begin(), [](double q, double there) { return there - q; });
-        held_->add(4.0, from, moved.data(), memory_->slope.data() + begin + size);
-    }
-}
-
 int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases,
                            int budget) noexcept {
     std::vector<double>& direction = iteration.direction;
+    const model::ChainLayout& layout = variator_.layout();
+    const int held_links = held_ != nullptr && !of_velocities ? layout.links : 0;
     const int most = cold_ ? cold_iterations : warm_iterations;
     int evaluations = 0;
     bool settled = false;
@@ -92,16 +88,19 @@ int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, c
             memory_->moved[k] = state[k] + scale * direction[k];
             before += (memory_->moved[k] - state[k]) * (memory_->moved[k] - state[k]);
         }
+        if (!of_velocities && damping_weight_ > 0.0)
+            for_each_unknown([&](int q, int v) { memory_->moved[at(v)] += damping_weight_ * (memory_->moved[at(q)] - state[q]); });
         model::right_hand_side(variator_, t, memory_->moved.data(), phases, memory_->slope.data(), memory_->scratch);
-        if (!of_velocities) relieve(state);
         ++evaluations;
         ++iteration.taken;
         for_each_unknown([&](int q, int v) {
             const auto acceleration = static_cast<std::size_t>(v);
             const double change = memory_->slope[acceleration] - memory_->base[acceleration];
             direction[of_velocities ? acceleration : static_cast<std::size_t>(q)] = change;
-            after += change * change;
         });
+        for (int link = 0, q = 0; link < held_links; ++link, q = layout.link_begin(link))
+            held_->hold(inverse_, state + q, &direction[at(q)]);
+        for (const double change : direction) after += change * change;
         const double value = std::sqrt(after / before);
         settled = std::abs(value - iteration.value) < converged * value;
         iteration.value = value;

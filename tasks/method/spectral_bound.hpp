@@ -17,10 +17,9 @@ namespace cvtflow::tasks {
 /// Unknowns that are moved; the others stay.
 enum class MovedPart {
     all,
-    links,
     pulleys,
-    waves,          ///< x, y, p and q of rigid pins, in which stretch and yaw run along the chain
-    other_links,    ///< z, slide and bending of rigid pins
+    waves,          ///< x, y, p and q of rigid pins, x and y of halves, in which stretch and yaw run along the chain
+    other_links,    ///< z, slide and bending of rigid pins, z and e of halves
     all_but_waves,  ///< other_links and pulleys
 };
 
@@ -40,6 +39,11 @@ public:
     explicit SpectralBound(const model::Variator& variator, MovedPart part = MovedPart::all,
                            std::shared_ptr<SpectralMemory> memory = nullptr, std::shared_ptr<const model::HeldLinks> held = nullptr);
 
+    /// imaginary() becomes that of a step h that holds links: of (M + h² K_held)⁻¹ (K + 4 D/h), or without D. A leapfrog that takes D at
+    /// extrapolated velocities is stable while h imaginary() < 2. [s]
+    void take(double step, bool damped) noexcept;
+    [[nodiscard]] double step() const noexcept { return step_; }
+
     /// Estimates at a state with its phases held: serial, deterministic, a warm start from the last call. [layout.size()]
     /// Those with a budget stop once it is used up; the next call continues, at the state then: the iteration forgets where it began.
     /// @param budget evaluations, two at least   @return evaluations of the right-hand side that it took
@@ -55,8 +59,7 @@ public:
     /// Largest |λ| of the accelerations by velocities: all friction and damping [1/s]. From below, as power iterations are, by some per
     /// cent.
     [[nodiscard]] double real() const noexcept { return velocity_.found; }
-    /// Largest frequency of the accelerations by coordinates, friction aside; of held links that of K - 4 K_held, as a leapfrog is stable
-    /// while (2/h)² M + 4 K_held - K is positive definite [rad/s].
+    /// Largest frequency of the accelerations by coordinates, friction aside [rad/s].
     [[nodiscard]] double imaginary() const noexcept;
 
     /// Makes the next estimate begin from the start.
@@ -88,7 +91,6 @@ private:
                 int budget) noexcept;  ///< t [s], state [unknowns]
     int iterate_at_rest(double t, const double* state, const model::Phase* phases, int budget) noexcept;
     void publish() noexcept;
-    void relieve(const double* state) noexcept;  ///< [unknowns]
     template <class Action>
     void for_each_unknown(Action action) const noexcept;
 
@@ -97,6 +99,8 @@ private:
     Iteration velocity_, coordinate_;
     std::shared_ptr<SpectralMemory> memory_;
     std::shared_ptr<const model::HeldLinks> held_;
+    model::HeldInverse inverse_;
+    double step_ = 0.0, damping_weight_ = 0.0;  ///< [s], [1/s]
     bool cold_ = true;
     bool velocity_complete_ = false;  ///< the present estimate has its velocities, not yet its coordinates
 };

@@ -1,6 +1,6 @@
-/// Claims about methods on the baseline at full detail, against tight rk4: what was published about DUMKA3, the leapfrog with friction
-/// inside the step, and how often Newton's method converges with steps of 2 µs. (Speeds: bench/experiments/paper.) As a command:
-///     cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us leapfrog-sweep@2.4us
+/// Claims about methods on the baseline at full detail, against tight rk4: what was published about DUMKA3, and how often Newton's method
+/// converges with steps of 2 µs. (Speeds: bench/experiments/paper.) As a command:
+///     cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us
 
 #include <gtest/gtest.h>
 
@@ -18,42 +18,19 @@ namespace {
 
 const engine::Cancellation uncancelled;
 
-std::vector<std::string> stepped(const std::string& method, const std::string& step) {
-    return {"run.method=" + method, "run.step=" + step};
-}
-
 /// 120 us from a settled state, tips free to enter and leave, against RK4 at 12.5 ns.
-bench::ErrorMeasure measure_of(const std::string& scene, const bench::MeasureSettings& settings = {}) {
-    return {ready_scene(scene, {"run.schedule=serial"}), settings, uncancelled};
-}
-
-const bench::ErrorMeasure& baseline() {
-    static const bench::ErrorMeasure measure = measure_of("baseline");
-    return measure;
-}
-
-bench::TrajectoryErrors errors(const bench::ErrorMeasure& measure, const std::string& method, const std::string& step) {
-    const bench::TrajectoryErrors found = measure.errors(measure.run(stepped(method, step))).overall;
-    testing::Test::RecordProperty(method + "@" + step, std::to_string(found.axial_force));
+double axial_error(const std::string& method, const std::string& step) {
+    static const bench::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), {}, uncancelled);
+    const std::vector<std::string> settings{"run.method=" + method, "run.step=" + step};
+    const double found = measure.errors(measure.run(settings)).overall.axial_force;
+    testing::Test::RecordProperty(method + "@" + step, std::to_string(found));
     return found;
 }
-
-double axial_error(const std::string& method, const std::string& step) { return errors(baseline(), method, step).axial_force; }
 
 TEST(NightlyStabilised, PolynomialFiveOfDumka3IsGoodAtTwoMicrosecondsAndNineIsNot) {
     EXPECT_LT(axial_error("dumka3-p5", "2us"), 1e-4);
     EXPECT_GT(axial_error("dumka3-p9", "2us"), 1e-3);
     EXPECT_GT(axial_error("dumka3-p9", "1us"), 1e-3);
-}
-
-/// One force evaluation per step, where DUMKA3-P5 takes 27 of 2 us.
-TEST(FrictionLeapfrogClaim, AtItsLongestStepItIsExactToATenthOfAPerCentAgainstRk4) {
-    const bench::Trajectory run = baseline().run(stepped("leapfrog-sweep", "2.4us"));
-    const bench::TrajectoryErrors found = baseline().errors(run).overall;
-    EXPECT_LT(found.axial_force, 2e-3);
-    EXPECT_LT(found.tension, 1e-3);
-    EXPECT_LT(found.slip, 4e-3);  // of 120 us, within which single pins count; over 20 ms: DefaultErrors
-    EXPECT_LE(run.counters.evaluations, run.counters.steps);
 }
 
 class NightlyImplicit : public testing::Test {

@@ -18,7 +18,7 @@ namespace cvtflow::tasks {
 namespace {
 
 // A default cannot be silently wrong. Cases that were once wrong with status ok: every row is right with the automatic step, and not
-// reported as finished at 4 us if it is wrong; right values come from runs with steps of 0.5 us. Errors of the default method and its
+// reported as finished at 7.5 us if it is wrong; right values come from runs with steps of 0.5 us. Errors of the default method and its
 // automatic step in the figures of a run: means over 20 ms of every ready scene with pin halves, against DUMKA3. Outputs are 25 us apart:
 // closer ones shorten steps, and with fewer ones the mean slip depends on single pins that touch at an output of one run and not of the
 // other. As a command: cvtflow-lab compare baseline leapfrog-sweep@auto --reference dumka3-p5@1us --duration 20ms --interval 25us
@@ -63,14 +63,14 @@ RunReport run_row(const Row& row, const std::string& step) {
 std::string name_of(const Row& row) { return row.scene + " " + row.detail + (row.settings.empty() ? "" : " " + row.settings.back()); }
 
 void check(const Row& row) {
-    const RunReport automatic = run_row(row, "auto"), exact = run_row(row, "0.5 us"), hasty = run_row(row, "4 us");
+    const RunReport automatic = run_row(row, "auto"), exact = run_row(row, "0.5 us"), hasty = run_row(row, "7.5 us");
     EXPECT_EQ(automatic.status(), "finished") << name_of(row) << ": balance error ratio " << automatic.balance_error_ratio;
     EXPECT_EQ(exact.status(), "finished") << name_of(row) << ": balance error ratio " << exact.balance_error_ratio;
     EXPECT_NEAR(automatic.whole.slip, exact.whole.slip, 0.01 * exact.whole.slip) << name_of(row);
     EXPECT_NEAR(automatic.whole.efficiency, exact.whole.efficiency, 5e-4) << name_of(row);  // a percent of losses of some per cent
     const bool right = std::abs(hasty.whole.slip - exact.whole.slip) <= 0.01 * exact.whole.slip &&
                        std::abs(hasty.whole.efficiency - exact.whole.efficiency) <= 5e-4;
-    EXPECT_TRUE(right || hasty.status() != "finished") << name_of(row) << ": 4 us ends as " << hasty.status();
+    EXPECT_TRUE(right || hasty.status() != "finished") << name_of(row) << ": 7.5 us ends as " << hasty.status();
 }
 
 /// A machine; deep: also a shipped scene and a level of detail.
@@ -136,8 +136,8 @@ struct Promise {
     double slip, efficiency, axial, residual = 1e-3;  ///< tolerances: relative, in points, relative, share of the losses
 };
 
-/// Promise for pin halves (README).
-const Promise halves{{"run.method=dumka3-p5", "run.step=1 us"}, 2e-3, 5e-5, 1e-3};
+/// Promise for pin halves (docs/accuracy.md).
+const Promise halves{{"run.method=dumka3-p5", "run.step=1 us"}, 3e-3, 5e-5, 1e-3};
 /// Promise for rigid pins, against half of their step of first order: 6.25 us add up to 2.2 % to slip, half of it is left between both.
 const Promise rigid{{"run.method=leapfrog-rigid", "run.step=3.125 us"}, 1.1e-2, 2e-4, 1e-3};
 

@@ -340,9 +340,9 @@ class Check(Program):
                  "rigid (lumped plates, rigid pins, elastic pulleys)")
 
     def test_reports_up_to_where_a_settled_scene_is_stable(self):
-        self.matches(self.out("check control --step '3.2 us'"),
-                     r"\n  stable to +2\.[0-9]* us \(oscillation of .* kHz with its damping\); run.step exceeds this limit\n")
-        for step in ("2.5 us", "auto"):
+        self.matches(self.out("check control --step '6 us'"),
+                     r"\n  stable to +5 us \(oscillation of .* kHz with its damping\); run.step exceeds this limit\n")
+        for step in ("4.5 us", "auto"):
             self.lacks(self.out(f"check control --step '{step}'"), " exceeds this limit")
         if LAB.exists():
             self.matches(self.out("cvtflow-lab check control --method trapezoidal-once"), "\n  stable to +linear stability sets no limit\n")

@@ -251,8 +251,8 @@ class Commands(Program):
                 *((word, f"{word}\n  ") for word in ("settle", "steady", "not_steady", "archard", "rainflow")),
                 ("chain.pins --scene tiny", "", "here:     24 in tiny"),
                 ("run.step --scene baseline --set run.method=leapfrog-sweep", "",
-                 "stable:   baseline with leapfrog-sweep up to 2.", "auto:     2."),
-                ("run.step --scene baseline --set run.step=3us", "", "run.step exceeds this limit")):
+                 "stable:   baseline with leapfrog-sweep up to 5 us", "auto:     "),
+                ("run.step --scene baseline --set run.step=6us", "", "run.step exceeds this limit")):
             text = self.out(f"explain {words}")
             self.assertTrue(text.startswith(begin), text)
             self.has(text, *parts)

@@ -14,8 +14,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// A step of n sweeps has n + 1 passes, so the usual two sweeps are one cycle of three passes.
-enum SweepCycle : int { record_sweep_cycle = method_cycles, one_pass_cycle, three_passes_cycle };
+/// A step of n sweeps has n + 1 passes, so the usual three sweeps are one cycle of four passes.
+enum SweepCycle : int { record_sweep_cycle = method_cycles, one_pass_cycle, four_passes_cycle };
 
 /// The next step opens with each force plus this share of its last change. More diverges, with less tips lag.
 constexpr double ahead = 0.5;
@@ -24,8 +24,8 @@ constexpr double ahead = 0.5;
 constexpr double same_length = 1e-6;
 
 /// Number of sweeps of a step. The error of a sweep does not decrease with the saturation speed: two sweeps at a tenth of the usual
-/// speeds have twice the error of tips, five the same (decisions 96 and 104).
-constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 2.0, max_sweeps = 12.0, power_of_slowness = 0.4;
+/// speeds have twice the error of tips, five the same (decision 96). Steps of 5 us take three (decision 115).
+constexpr double sweeps_at_usual_speeds = 3.0, min_sweeps = 3.0, max_sweeps = 18.0, power_of_slowness = 0.4;
 
 [[nodiscard]] double needed_sweeps(const model::Parameters& parameters) {
     const model::Parameters usual;
@@ -35,8 +35,8 @@ constexpr double sweeps_at_usual_speeds = 2.0, min_sweeps = 2.0, max_sweeps = 12
     return sweeps_at_usual_speeds * std::pow(slowness, power_of_slowness) - 0.1;
 }
 
-[[nodiscard]] int sweeps_for(const model::Parameters& parameters) {
-    return static_cast<int>(std::ceil(std::clamp(needed_sweeps(parameters), min_sweeps, max_sweeps)));
+[[nodiscard]] int passes_for(const model::Parameters& parameters) {
+    return 1 + static_cast<int>(std::ceil(std::clamp(needed_sweeps(parameters), min_sweeps, max_sweeps)));
 }
 
 /// A segment and those that hold the links beside it.
@@ -77,7 +77,8 @@ template <class Motion>
 }  // namespace
 
 std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept {
-    if (const std::string_view missing = missing_contact_fields(parameters); !missing.empty()) return missing;
+    if (parameters.detail.pins == model::PinDetail::rigid) return "detail.pins = \"halves\"";
+    if (has_few_pins(parameters)) return "chain.pins >= 12";
     // The record evaluates tips within 0.5 mm of sheaves that turn about their shaft's axis.
     if (parameters.imperfection.runout * std::sin(parameters.tip.angle) > 3e-4) return "imperfection.runout * sin(tip.angle) <= 0.3 mm";
     if (parameters.detail.stick_slip) return "detail.stick_slip = false";
@@ -95,19 +96,21 @@ std::vector<int> SweepSystem::rows_of_fields(const Workspace& w) {
 }
 
 SweepSystem::SweepSystem(const Workspace& w)
-    : kick_(w, rows_of_fields(w), {kept, kept + 1},
-            {SegmentEdges(w.layout()), SegmentEdges(w.layout()), SegmentEdges(w.layout().link_size())}),
-      responses_(kick_.friction, 0.0, 0.0),
+    : friction_(model::make_friction(w.variator.chain())),
+      fields_(w, friction_, rows_of_fields(w), {kept, kept + 1},
+              {SegmentEdges(w.layout()), SegmentEdges(w.layout()), SegmentEdges(w.layout().link_size()), SegmentEdges(w.layout())}),
+      normal_loads_(at(w.layout().links)),
+      responses_(friction_, 0.0, 0.0),
       mean_edges_(w.layout()) {
     powers_.resize(at(w.layout().links));
     make_room();
 }
 
 void SweepSystem::make_room() {
-    const int segments = kick_.fields.columns().segments();
+    const int segments = fields_.columns().segments();
     for (int s = 0; s < segments; ++s) {
         if (at(s) == means_.size()) means_.emplace_back();
-        if (means_[at(s)].bytes() < kick_.fields[s].of[velocity].bytes()) means_[at(s)] = kick_.fields[s].of[velocity];
+        if (means_[at(s)].bytes() < fields_[s].of[velocity].bytes()) means_[at(s)] = fields_[s].of[velocity];
     }
     mean_edges_.make_room(segments);
     ghosts_.resize(at(2 * segments));
@@ -116,51 +119,67 @@ void SweepSystem::make_room() {
 
 void SweepSystem::repartition(const Partition& partition) {
     find_losses();
-    kick_.fields.repartition(partition);
+    fields_.repartition(partition);
     make_room();
 }
 
 void SweepSystem::restart() noexcept {
-    kick_.fields.clear(kept_now());
+    fields_.clear(kept_now());
     losses_ = Losses::none;
     handed_over_ = false;
 }
 
 void SweepSystem::begin(double step, double nominal) noexcept {
     now_ = 1 - now_;
-    kick_.friction.hold(static_cast<float>(nominal));
+    friction_.hold(static_cast<float>(nominal));
     follows_ = std::exchange(handed_over_, false);
     step_before_ = responses_.of_step;
-    if (step != responses_.of_step || nominal != responses_.of_nominal) responses_ = {kick_.friction, step, nominal};
+    if (step != responses_.of_step || nominal != responses_.of_nominal) responses_ = {friction_, step, nominal};
     losses_ = Losses::none;
 }
 
 void SweepSystem::record(Workspace& w, const model::ContactDrift& drift, int segment, model::TipSearch* search) noexcept {
-    kick_.record(w, drift, base, segment, search, find_ghosts(w, segment));
+    SegmentFields::Fields& f = fields_[segment];
+    const Segment& bounds = w.partition[segment];
+    const double* window = advance_window(w, segment, friction_.kernels().advance, find_ghosts(w, segment));
+    const int shift = fields_.columns().shift(segment), begin = w.layout().link_begin(bounds.first);
+    const model::ChainRange range{bounds.first, bounds.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, true};
+    model::LinkLoad* loads = normal_loads_.data() + bounds.first;
+    friction_.record(range, drift, {w.states[0] + begin, f.contacts, f.of[base], f.start}, loads, search);
+    for (int row = 0; row < 3 * model::tips_per_link; ++row)
+        std::fill_n(f.mean_tip_forces.at(row, SegmentColumns::first), bounds.size(), 0.0F);
+    if (!friction_.numbers().filter_waves()) return;
+    const model::SweepRows rows{f.contacts.components.joint_points};
+    for (int row = 0; row < model::SweepRows::wave_rows; ++row) {
+        float* const to = f.of[base].at(row, SegmentColumns::first);
+        const float* const lasting = f.of[kept_before()].at(rows.lasting(row), SegmentColumns::first);
+        for (int link = 0; link < bounds.size(); ++link) to[link] += lasting[link];
+    }
+    fields_.give(acceleration_edges, f.of[base], segment);
 }
 
 /// The links beside a segment at the step's start: they advance as in their segments, by the velocities handed over. @return nullptr: they
 /// are in the segment
 GhostLink* SweepSystem::find_ghosts(const Workspace& w, int segment) noexcept {
-    const SegmentColumns& columns = kick_.fields.columns();
+    const SegmentColumns& columns = fields_.columns();
     if (columns.segments() == 1) return nullptr;
     GhostLink* const ghosts = ghosts_.data() + 2 * segment;
-    model::FloatColumns& velocity = kick_.fields[segment].result;
-    if (follows_) kick_.fields.take(result_edges, velocity, segment);
+    model::FloatColumns& velocity = fields_[segment].result;
+    if (follows_) fields_.take(result_edges, velocity, segment);
     for (int side = 0; side < 2; ++side) {
         GhostLink& ghost = ghosts[side];
         if (follows_) {
             ghost.before = ghost.start;
             const float* of_ghost = velocity.at(0, columns.ghosts(segment)[at(side)].column);
-            kick_.friction.kernels().end({.velocity = of_ghost,
-                                          .stride = velocity.stride(),
-                                          .counted_from = ghost.middle.data(),
-                                          .start = ghost.before.data(),
-                                          .end = ghost.start.data(),
-                                          .secants = ghost.slope.data(),
-                                          .step = step_before_,
-                                          .limit = 0.0},
-                                         1);
+            friction_.kernels().end({.velocity = of_ghost,
+                                     .stride = velocity.stride(),
+                                     .counted_from = ghost.middle.data(),
+                                     .start = ghost.before.data(),
+                                     .end = ghost.start.data(),
+                                     .secants = ghost.slope.data(),
+                                     .step = step_before_,
+                                     .limit = 0.0},
+                                    1);
         } else {
             const Segment& links = columns.segment(segment);
             const int begin = w.layout().link_begin(w.layout().wrapped(side == 0 ? links.first - 1 : links.last));
@@ -172,10 +191,13 @@ GhostLink* SweepSystem::find_ghosts(const Workspace& w, int segment) noexcept {
 }
 
 void SweepSystem::sweep(const Workspace& w, model::SweepPart part, double opening, int number, int segment) noexcept {
-    SegmentFields& fields = kick_.fields;
-    SegmentFields::Fields& f = fields[segment];
+    SegmentFields::Fields& f = fields_[segment];
+    const Segment& bounds = w.partition[segment];
     const auto edge = [](int pass) { return velocity_edges + at(pass % 2); };
-    if (part != model::SweepPart::opening) fields.take(edge(number - 1), f.of[velocity], segment);
+    if (part != model::SweepPart::opening)
+        fields_.take(edge(number - 1), f.of[velocity], segment);
+    else
+        fields_.take(acceleration_edges, f.of[base], segment);
     const model::FrictionSweep sweep{.part = part,
                                      .ahead = static_cast<float>(opening),
                                      .responses = &responses_,
@@ -187,20 +209,50 @@ void SweepSystem::sweep(const Workspace& w, model::SweepPart part, double openin
                                      .result = &f.result,
                                      .mean_tip_forces = &f.mean_tip_forces};
     constexpr double instant = model::sweep_time - 0.5;  // from the middle of the step
-    kick_.friction.kernels().sweep(kick_.friction, f.contacts, kick_.range_of(w, instant, f.of[velocity], segment), sweep);
+    const model::FloatColumns& now = f.of[velocity];
+    const model::FrictionRange range{
+        bounds.first,         bounds.last, now.at(0, SegmentColumns::first - 1), now.stride(), f.scratch.data(),
+        w.tips.phases.data(), instant,     fields_.columns().shift(segment)};
+    friction_.kernels().sweep(friction_, f.contacts, range, sweep);
     if (part != model::SweepPart::closing)
-        fields.give(edge(number), f.of[velocity], segment);
-    else if (fields.columns().segments() > 1)
-        fields.give(result_edges, f.result, segment);
+        fields_.give(edge(number), f.of[velocity], segment);
+    else if (fields_.columns().segments() > 1)
+        fields_.give(result_edges, f.result, segment);
+}
+
+bool SweepSystem::finish(Workspace& w, int segment) const noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const SegmentFields::Fields& f = fields_[segment];
+    const Segment& bounds = w.partition[segment];
+    const int begin = layout.link_begin(bounds.first), column = bounds.first + fields_.columns().shift(segment);
+    friction_.kernels().react({.forces = f.mean_tip_forces.at(0, column),
+                               .stride = f.mean_tip_forces.stride(),
+                               .arms = f.contacts.arms.at(0, column),
+                               .arms_stride = f.contacts.arms.stride(),
+                               .phases = w.tips.phases.data() + model::tips_per_link * bounds.first,
+                               .normal = normal_loads_.data() + bounds.first,
+                               .loads = w.links.loads.data() + bounds.first},
+                              bounds.size());
+    if (layout.pulley_size != 0) add_up(w, bounds);
+    return friction_.kernels().end({.velocity = f.result.at(0, column),
+                                    .stride = f.result.stride(),
+                                    // still in the window that record() has filled
+                                    .counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block(),
+                                    .start = w.states[0] + begin,
+                                    .end = w.end_state + begin,
+                                    .secants = w.end_slope + begin,
+                                    .step = w.step.h,
+                                    .limit = fastest_pin},
+                                   bounds.size());
 }
 
 /// Finds the exact power that friction takes from the kinetic energy, by the mean velocities of the step.
 void SweepSystem::find_losses() const noexcept {
     if (losses_ != Losses::to_be_found) return;
-    const SegmentColumns& columns = kick_.fields.columns();
+    const SegmentColumns& columns = fields_.columns();
     for (int s = 0; s < columns.segments(); ++s) {
-        const SegmentFields::Fields& f = kick_.fields[s];
-        for (int row = 0; row < kick_.friction.chain().layout().link_size(); ++row) {
+        const SegmentFields::Fields& f = fields_[s];
+        for (int row = 0; row < friction_.chain().layout().link_size(); ++row) {
             const float *before = f.start.at(row, SegmentColumns::first), *after = f.result.at(row, SegmentColumns::first);
             float* mean = means_[at(s)].at(row, SegmentColumns::first);
             for (int link = 0; link < columns.segment(s).size(); ++link) mean[link] = 0.5F * (before[link] + after[link]);
@@ -208,14 +260,14 @@ void SweepSystem::find_losses() const noexcept {
         mean_edges_.give(columns, means_[at(s)], s);
     }
     for (int s = 0; s < columns.segments(); ++s) {
-        const SegmentFields::Fields& f = kick_.fields[s];
+        const SegmentFields::Fields& f = fields_[s];
         const Segment& bounds = columns.segment(s);
         mean_edges_.take(columns, means_[at(s)], s);
         constexpr double middle = 0.0;
         const model::FrictionRange range{
             bounds.first, bounds.last,     means_[at(s)].at(0, SegmentColumns::first - 1), means_[at(s)].stride(), nullptr, nullptr,
             middle,       columns.shift(s)};
-        kick_.friction.kernels().powers(kick_.friction, f.contacts, range, f.of[kept_now()], powers_.data() + bounds.first);
+        friction_.kernels().powers(friction_, f.contacts, range, f.of[kept_now()], powers_.data() + bounds.first);
     }
     losses_ = Losses::known;
 }
@@ -238,7 +290,7 @@ void SweepSystem::enter_losses(Workspace& w) noexcept {
 
 void SweepSystem::visit(engine::Archive& archive) {
     if (!archive.reads()) find_losses();
-    kick_.fields.visit(kept_now(), "friction", archive);
+    fields_.visit(kept_now(), "friction", archive);
     bool known = losses_ == Losses::known;
     archive("losses_known", known), archive("friction_powers", std::span(powers_));
     if (archive.reads()) losses_ = known ? Losses::known : Losses::none;
@@ -294,24 +346,18 @@ void LeapfrogFrame::end(const model::SheaveForces& chain) {
 
 void LeapfrogFrame::visit(engine::Archive& archive) {
     archive("follows_step", continues_), archive("length_before", length_);
-    std::array<double, 24> velocities{};
-    std::size_t next = 0;
     for (model::SheaveMotion& s : w_.pulleys.sheaves)
-        for (const double* velocity : velocities_of(s)) velocities[next++] = *velocity;
-    archive("sheave_velocities", velocities);
-    next = 0;
-    for (model::SheaveMotion& s : w_.pulleys.sheaves)
-        for (double* velocity : velocities_of(s)) *velocity = velocities[next++];
+        for (double* velocity : velocities_of(s)) archive("sheave_velocity", *velocity);
     archive("end_slope", std::span(w_.end_slope, static_cast<std::size_t>(w_.layout().size())));
 }
 
 SweepLeapfrog::SweepLeapfrog(Workspace& workspace)
-    : w_(workspace), frame_(workspace), system_(workspace), sweeps_(sweeps_for(workspace.parameters)) {}
+    : w_(workspace), frame_(workspace), system_(workspace), usual_passes_(passes_for(workspace.parameters)) {}
 
-int Passes::next() noexcept {
-    const bool three = count_ - next_ >= 3;
-    begun_ = std::exchange(next_, next_ + (three ? 3 : 1));
-    return three ? three_passes_cycle : one_pass_cycle;
+int SweepLeapfrog::next_passes() noexcept {
+    const bool four = passes_ - next_ >= 4;
+    begun_ = std::exchange(next_, next_ + (four ? 4 : 1));
+    return four ? four_passes_cycle : one_pass_cycle;
 }
 
 void SweepLeapfrog::add_tasks(engine::TaskGraph& graph) {
@@ -327,7 +373,7 @@ void SweepLeapfrog::add_tasks(engine::TaskGraph& graph) {
                        .segment(Field::result, true)
                        .list()});
     add_passes(graph, one_pass_cycle, 1);
-    add_passes(graph, three_passes_cycle, 3);
+    add_passes(graph, four_passes_cycle, 4);
     // The losses that the laws have at the state observed are replaced by what the last step's forces have done.
     const int others = graph.size();
     engine::Access accounts{static_cast<int>(Field::account), 0, w_.layout().links, true};
@@ -380,7 +426,7 @@ CycleSequence SweepLeapfrog::step() {
     begin();                                          // pulleys to the middle of the step: q ← q + h/2 v
     if (w_.layout().ledger) co_yield evaluate_cycle;  // only where losses are integrated with the state
     co_yield record_sweep_cycle;                      // links there, contacts, all forces but friction
-    while (passes_.left()) co_yield passes_.next();   // friction of joints, plates and tips; then v, q ← q + h/2 v
+    while (next_ < passes_) co_yield next_passes();   // friction of joints, plates and tips; then v, q ← q + h/2 v
     co_return finish();                               // the pulleys by the forces of the tips; soundness of the state
 }
 
@@ -390,7 +436,8 @@ void SweepLeapfrog::begin() {
     length_ = w_.step.h;
     frame_.begin();
     system_.begin(w_.step.h, nominal_);
-    passes_ = Passes(1 + (cold_ ? first_sweeps : sweeps_));
+    passes_ = cold_ ? 1 + first_sweeps : usual_passes_;
+    next_ = 0;
 }
 
 Fault SweepLeapfrog::finish() {
@@ -420,12 +467,12 @@ void SweepLeapfrog::record(int segment) noexcept {
 }
 
 void SweepLeapfrog::sweep(int item) noexcept {
-    const int segments = w_.partition.size(), segment = item % segments, pass = passes_.begun() + item / segments;
-    const bool closing = pass + 1 == passes_.count();
+    const int segments = w_.partition.size(), segment = item % segments, pass = begun_ + item / segments;
+    const bool closing = pass + 1 == passes_;
     const model::SweepPart part = pass == 0 ? model::SweepPart::opening : closing ? model::SweepPart::closing : model::SweepPart::middle;
     system_.sweep(w_, part, cold_ ? 0.0 : ahead, pass, segment);
     if (!closing) return;
-    if (!system_.kick().finish(w_, segment)) w_.segment_results[at(segment)].pending = true;
+    if (!system_.finish(w_, segment)) w_.segment_results[at(segment)].pending = true;
 }
 
 }  // namespace cvtflow::tasks

@@ -114,7 +114,7 @@ constexpr Recorded recorded[] = {
     {"dumka3", 1, "baf82f55ea705577", "cc0238ea498e0265"},
     {"rkc", 1, "9e5e9fa373dc02ae", "87dc97a9134ab40c"},
     {"fitted", 1, "2fbdc96ce5cfd7b6", "e70b8b5bf70032da"},
-    {"leapfrog-sweep", 6, "d03e220f7159e004", "none"},
+    {"leapfrog-sweep", 7, "7d1032b9805c157c", "none"},
     {"leapfrog-rigid", 5, "none", "7176354b1f617b44"},
     {"trapezoidal-analytic", 2, "b171817759998b90", "none"},
     {"trapezoidal-full", 2, "33601c254f8ac6fe", "none"},

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/method/friction/kick_system.hpp"
+#include "tasks/method/friction/segment_fields.hpp"
 #include "tasks/method/friction/sweep_leapfrog.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/run.hpp"
@@ -21,15 +21,15 @@ namespace {
 
 const engine::Cancellation uncancelled;
 
-/// The passes of a step are one cycle: three levels, in which a segment waits for itself and for the two beside it.
+/// The passes of a step are one cycle: four levels, in which a segment waits for itself and for the two beside it.
 TEST(SweepLeapfrog, PassesOfACycleWaitForNeighboursOnly) {
     const Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-sweep"});
     Workspace workspace(scene.parameters, Method("leapfrog-sweep").plan(), Partition::equal(84, 5));
     const auto method = Method("leapfrog-sweep").make(workspace);
     const engine::TaskGraph graph = step_graph(workspace, {}, method.get());
     int cycle = method_cycles;
-    while (graph.levels(cycle) != 3) ASSERT_LT(++cycle, graph.cycles());
-    for (int level = 0; level < 3; ++level) {
+    while (graph.levels(cycle) != 4) ASSERT_LT(++cycle, graph.cycles());
+    for (int level = 0; level < 4; ++level) {
         ASSERT_EQ(graph.level(cycle, level).size(), 5u);
         for (const int task : graph.level(cycle, level)) {
             EXPECT_EQ(graph.task(task).stage_name(), "friction");
@@ -74,15 +74,15 @@ TEST(SweepLeapfrog, BooksTheLossesOfItsForcesAndNotOfTheLaw) {
     EXPECT_LT(std::abs(simulation.workspace().energy.balance().relative()), 3e-3);
 }
 
-/// Strands of held links have the forces of steps that hold a sixteenth as much. If a link's turning accelerated its stretch, they would
-/// carry 2e-4 more.
+/// Strands of held links and filtered waves have the forces of steps that hold and filter a sixty-fourth as much. If a link's turning
+/// accelerated its stretch, they would carry 1e-3 more.
 TEST(SweepLeapfrog, StrandsCarryWhatTheyCarryInShortSteps) {
     const auto tight = [](const char* step) {
         Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-sweep", std::string("run.step=") + step, "run.until=10 ms",
                                                        "run.output_interval=25 us", "run.schedule=serial"});
         return run_scene(scene, {}).whole.tight;
     };
-    const double force = tight("2.777778 us"), in_short_steps = tight("0.694445 us");
+    const double force = tight("5 us"), in_short_steps = tight("0.625 us");
     EXPECT_GT(force, 4000.0);
     EXPECT_NEAR(force / in_short_steps, 1.0, 1e-4);
 }

@@ -1,4 +1,4 @@
-#include "tasks/method/friction/kick_system.hpp"
+#include "tasks/method/friction/segment_fields.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -140,75 +140,6 @@ void SegmentFields::visit(std::size_t field, std::string_view name, engine::Arch
     if (!archive.reads()) for_numbers(*this, field, [&](float number) { *next++ = number + 0.0F; });  // no zero below 0: segments decide
     archive(name, numbers);
     if (archive.reads()) set(field, [&] { return *next++; });
-}
-
-std::string_view missing_contact_fields(const model::Parameters& parameters) noexcept {
-    if (parameters.detail.pins == model::PinDetail::rigid) return "detail.pins = \"halves\"";
-    return parameters.chain.pins >= 12 ? "" : "chain.pins >= 12";
-}
-
-KickSystem::KickSystem(const Workspace& w, std::vector<int> rows, std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges)
-    : friction(model::make_friction(w.variator.chain())),
-      fields(w, friction, std::move(rows), std::move(outlasting), std::move(edges)),
-      normal_loads_(at(w.layout().links)) {}
-
-void KickSystem::record(Workspace& w, const model::ContactDrift& drift, std::size_t frictionless, int segment, model::TipSearch* search,
-                        GhostLink* ghosts) noexcept {
-    SegmentFields::Fields& f = fields[segment];
-    const Segment& bounds = w.partition[segment];
-    const double* window = advance_window(w, segment, friction.kernels().advance, ghosts);
-    const int shift = fields.columns().shift(segment), begin = w.layout().link_begin(bounds.first);
-    const model::ChainRange range{bounds.first, bounds.last, window, w.pulleys.sheaves, w.tips.phases.data(), shift, true};
-    model::LinkLoad* loads = normal_loads_.data() + bounds.first;
-    friction.record(range, drift, {w.states[0] + begin, f.contacts, f.of[frictionless], f.start}, loads, search);
-    for (int row = 0; row < 3 * model::tips_per_link; ++row)
-        std::fill_n(f.mean_tip_forces.at(row, SegmentColumns::first), bounds.size(), 0.0F);
-}
-
-model::FrictionRange KickSystem::range_of(const Workspace& w, double time, const model::FloatColumns& velocity, int segment) noexcept {
-    const Segment& bounds = w.partition[segment];
-    return {bounds.first,
-            bounds.last,
-            velocity.at(0, SegmentColumns::first - 1),
-            velocity.stride(),
-            fields[segment].scratch.data(),
-            w.tips.phases.data(),
-            time,
-            fields.columns().shift(segment)};
-}
-
-bool KickSystem::finish(Workspace& w, int segment) const noexcept {
-    add_loads(w, segment);
-    const model::ChainLayout& layout = w.layout();
-    const Segment& bounds = w.partition[segment];
-    const model::FloatColumns& velocities = fields[segment].result;
-    const int begin = layout.link_begin(bounds.first);
-    return friction.kernels().end({.velocity = velocities.at(0, bounds.first + fields.columns().shift(segment)),
-                                   .stride = velocities.stride(),
-                                   // still in the window that record() has filled
-                                   .counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block(),
-                                   .start = w.states[0] + begin,
-                                   .end = w.end_state + begin,
-                                   .secants = w.end_slope + begin,
-                                   .step = w.step.h,
-                                   .limit = fastest_pin},
-                                  bounds.size());
-}
-
-/// Loads of a segment's links since record(): the normal forces, and the mean reaction of the tips' friction.
-void KickSystem::add_loads(Workspace& w, int segment) const noexcept {
-    const SegmentFields::Fields& f = fields[segment];
-    const Segment& bounds = w.partition[segment];
-    const int column = bounds.first + fields.columns().shift(segment);
-    friction.kernels().react({.forces = f.mean_tip_forces.at(0, column),
-                              .stride = f.mean_tip_forces.stride(),
-                              .arms = f.contacts.arms.at(0, column),
-                              .arms_stride = f.contacts.arms.stride(),
-                              .phases = w.tips.phases.data() + model::tips_per_link * bounds.first,
-                              .normal = normal_loads_.data() + bounds.first,
-                              .loads = w.links.loads.data() + bounds.first},
-                             bounds.size());
-    if (w.layout().pulley_size != 0) add_up(w, bounds);
 }
 
 }  // namespace cvtflow::tasks

@@ -1,7 +1,5 @@
 #pragma once
-/// Work of leapfrogs by segments before and after friction inside a step, for any solver of friction: contacts and all other forces are
-/// recorded in the middle of the step; loads, velocities and coordinates are returned at its end. Columns of fields that outlast a step
-/// move with the borders of segments.
+/// Columns of links by segments, and what segments hand over. Columns of fields that outlast a step move with the borders of segments.
 ///
 /// A segment needs the links beside it, its ghosts:
 ///
@@ -61,7 +59,6 @@ private:
 /// Data of one field that segments exchange: its first and its last column, packed.
 class SegmentEdges {
 public:
-    SegmentEdges() = default;
     /// @param rows of fields: all of them
     explicit SegmentEdges(int rows);
     /// Rows of velocities of links that the joints between two segments depend on.
@@ -126,15 +123,6 @@ public:
     /// The numbers of a field, rows of all links one after the other.
     void visit(std::size_t field, std::string_view name, engine::Archive& archive);
 
-    /// Calls visit(fields, link, column) for all links of fields, in order.
-    template <class Self, class Visit>
-    static void for_links(Self& self, const Visit& visit) {
-        for (int s = 0; s < self.columns_.segments(); ++s) {
-            const Segment& links = self.columns_.segment(s);
-            for (int link = links.first; link < links.last; ++link) visit(self[s], link, link + self.columns_.shift(s));
-        }
-    }
-
 private:
     [[nodiscard]] Fields make_fields(int width) const;
     void make_room();
@@ -145,7 +133,9 @@ private:
     template <class Self, class Visit>
     static void for_numbers(Self& self, std::size_t field, const Visit& visit) {
         for (int row = 0; row < self.rows_[field]; ++row)
-            for_links(self, [&](auto& fields, int, int column) { visit(*fields.of[field].at(row, column)); });
+            for (int s = 0; s < self.columns_.segments(); ++s)
+                for (int link = 0; link < self.columns_.segment(s).size(); ++link)
+                    visit(*self[s].of[field].at(row, SegmentColumns::first + link));
     }
 
     const model::FrictionOperator& friction_;
@@ -155,41 +145,6 @@ private:
     std::vector<Fields> fields_;       ///< [segment], or more
     std::vector<SegmentEdges> edges_;  ///< [edge]
     std::vector<float> moving_;        ///< [outlasting][rows][links] room for what borders move through
-};
-
-/// Setting that a KickSystem requires and parameters do not have; empty: none. Rigid pins have no contact fields. In rings of few pins
-/// links meet at large angles, which magnify the rounding of a joint's depth in floats: a ring of five was off by 3 %, one of twelve is
-/// right.
-[[nodiscard]] std::string_view missing_contact_fields(const model::Parameters& parameters) noexcept;
-
-/// Contacts and forces of a leapfrog's step by segments. Velocities inside a step are floats, which count from those of the record.
-class KickSystem {
-public:
-    /// Parameters as for SegmentFields.
-    KickSystem(const Workspace& workspace, std::vector<int> rows, std::vector<std::size_t> outlasting, std::vector<SegmentEdges> edges);
-
-    /// Body of a task: contacts of a segment's links at the stage state of workspace.step.row, all other forces there as accelerations in
-    /// the further field `frictionless`, and velocities at the step's start. No mean forces of tips so far.
-    /// @param search decides which tips touch; nullptr: they do as they did   @param ghosts as for advance_window
-    void record(Workspace& workspace, const model::ContactDrift& drift, std::size_t frictionless, int segment,
-                model::TipSearch* search = nullptr, GhostLink* ghosts = nullptr) noexcept;
-    /// A segment's links with velocities of columns like its fields'. time [s]
-    [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const model::FloatColumns& velocity,
-                                                int segment) noexcept;
-    /// Body of a task: loads of a segment's links; their state at the step's end by the resulting velocities, and its secants.
-    /// @return whether that state is sound
-    bool finish(Workspace& workspace, int segment) const noexcept;
-    [[nodiscard]] std::size_t bytes() const noexcept {
-        return sizeof(*this) + normal_loads_.size() * sizeof(model::LinkLoad) + fields.bytes();
-    }
-
-    model::FrictionOperator friction;
-    SegmentFields fields;
-
-private:
-    void add_loads(Workspace& workspace, int segment) const noexcept;
-
-    model::LineVector<model::LinkLoad> normal_loads_;  ///< [links]
 };
 
 }  // namespace cvtflow::tasks
