@@ -7,27 +7,21 @@ namespace cvtflow::model {
 
 namespace {
 
-template <class From, class To>
-void round_all(const From& from, To& to) {
-    std::ranges::transform(from, to.begin(), [](double x) { return static_cast<float>(x); });
+template <std::size_t N>
+std::array<float, N> rounded(const std::array<double, N>& numbers) {
+    std::array<float, N> to;
+    std::ranges::transform(numbers, to.begin(), [](double x) { return static_cast<float>(x); });
+    return to;
 }
 
 template <int Most>
 PointLanes<Most, float> rounded(const PointLanes<Most>& points) {
-    PointLanes<Most, float> to{points.count, points.width};
-    round_all(points.position, to.position);
-    round_all(points.weight, to.weight);
-    round_all(points.damping, to.damping);
-    for (std::size_t m = 0; m < to.basis.size(); ++m) round_all(points.basis[m], to.basis[m]);
+    PointLanes<Most, float> to{points.count, points.width, rounded(points.position), rounded(points.weight), rounded(points.damping)};
+    std::ranges::transform(points.basis, to.basis.begin(), [](const auto& row) { return rounded(row); });
     return to;
 }
 
-MirroredMatrix<float> rounded(const MirroredMatrix<double>& matrix) {
-    MirroredMatrix<float> to;
-    round_all(matrix.sum, to.sum);
-    round_all(matrix.difference, to.difference);
-    return to;
-}
+MirroredMatrix<float> rounded(const MirroredMatrix<double>& matrix) { return {rounded(matrix.sum), rounded(matrix.difference)}; }
 
 }  // namespace
 
@@ -47,12 +41,9 @@ FrictionNumbers::FrictionNumbers(const Coefficients& c, const HeldInverse& respo
       tip_saturation(c.tip.friction.saturation_speed),
       tip_law(c.tip.law),
       joint_points(rounded(c.joint_points)),
-      plates(rounded(c.plates)) {
-    inverse = {rounded(responses.along), rounded(responses.across), rounded(responses.axial), {}, {}, {}};
-    round_all(responses.turning, inverse.turning);
-    round_all(responses.wave_plates, inverse.wave_plates);
-    round_all(responses.wave_joint, inverse.wave_joint);
-}
+      plates(rounded(c.plates)),
+      inverse{rounded(responses.along),   rounded(responses.across),      rounded(responses.axial),
+              rounded(responses.turning), rounded(responses.wave_plates), rounded(responses.wave_joint)} {}
 
 FrictionOperator::FrictionOperator(const ChainModel& chain, const FrictionKernels& kernels)
     : chain_(chain),

@@ -39,19 +39,6 @@ constexpr double sweeps_at_usual_speeds = 3.0, min_sweeps = 3.0, max_sweeps = 18
     return 1 + static_cast<int>(std::ceil(std::clamp(needed_sweeps(parameters), min_sweeps, max_sweeps)));
 }
 
-/// A segment and those that hold the links beside it.
-[[nodiscard]] std::vector<int> near_segments(const Workspace& w, int segment) {
-    const model::ChainLayout& layout = w.layout();
-    const Segment& bounds = w.partition[segment];
-    std::vector<int> near{segment};
-    for (int s = 0; s < w.partition.size(); ++s) {
-        const Segment& other = w.partition[s];
-        const auto holds = [&](int link) { return layout.wrapped(link) >= other.first && layout.wrapped(link) < other.last; };
-        if (s != segment && (holds(bounds.first - 1) || holds(bounds.last))) near.push_back(s);
-    }
-    return near;
-}
-
 /// Velocities of a sheave.
 template <class Motion>
 [[nodiscard]] auto velocities_of(Motion& s) noexcept {
@@ -409,7 +396,8 @@ void SweepLeapfrog::add_passes(engine::TaskGraph& graph, int cycle, int passes) 
                        .list()});
     }
     for (int s = 0; s < segments; ++s) {
-        for (const int near : near_segments(w_, s)) {
+        const auto beside = system_.columns().ghosts(s);
+        for (const int near : {s, beside[0].owner, beside[1].owner}) {
             for (int pass = 1; pass < passes; ++pass) graph.order(first + (pass - 1) * segments + near, first + pass * segments + s);
         }
     }

@@ -41,6 +41,7 @@ public:
     }
     /// Memory of segments, after every change of the partition.
     void repartition(const Partition& partition);
+    [[nodiscard]] const SegmentColumns& columns() const noexcept { return fields_.columns(); }
     /// Sets all contact forces to zero (no previous step).
     void restart() noexcept;
     /// Begins a step: forces that outlast a step become those of the step before. @param nominal usual length of a step [s]
