@@ -23,7 +23,7 @@ long process_number() noexcept { return 0; }
 SavedState last_state_of_record(const std::string& path) { throw RecordError(path + ": this library reads no records, only states"); }
 FileIdentity identity_of(const std::string&) noexcept { return {}; }
 
-std::string read_text_input(const std::string& path, std::uint64_t, double) {
+std::string read_text_input(const std::string& path, std::uint64_t) {
     for (const EmbeddedFile& file : embedded_files())
         if (path.starts_with(embedded_folder) && path.substr(embedded_folder.size() + 1) == file.name) return std::string(file.text);
     throw InputError("this library reads no files: pass a scene as text (Scene::parse), and tables as points in it");

@@ -1,7 +1,6 @@
 #include "engine/base/input_file.hpp"
 
 #include <fcntl.h>
-#include <poll.h>
 #include <sys/stat.h>
 #include <sys/vfs.h>
 #include <unistd.h>
@@ -40,30 +39,18 @@ struct Opened {
     struct stat about {};
 };
 
-/// Reads up to `count` bytes; fewer only at the file's end.
-std::size_t read_at(int descriptor, std::uint64_t offset, std::byte* bytes, std::size_t count) {
+/// Reads up to `count` bytes; fewer only at the end, or of a pipe. @param offset in the file; negative: a pipe
+std::size_t read_at(int descriptor, std::int64_t offset, std::byte* bytes, std::size_t count) {
     std::size_t done = 0;
     while (done < count) {
-        const ssize_t some = pread(descriptor, bytes + done, count - done, static_cast<off_t>(offset + done));
+        const ssize_t some = offset < 0 ? ::read(descriptor, bytes + done, count - done)
+                                        : pread(descriptor, bytes + done, count - done, offset + static_cast<off_t>(done));
         if (some < 0 && errno == EINTR) continue;
         if (some < 0) fail(errno);
-        if (some == 0) break;
         done += static_cast<std::size_t>(some);
+        if (some == 0 || offset < 0) break;  // of a pipe what has come
     }
     return done;
-}
-
-/// Some bytes of a pipe; none only at its end.
-std::size_t read_pipe(int descriptor, std::byte* bytes, std::size_t count, double timeout) {
-    for (;;) {
-        pollfd request{descriptor, POLLIN, 0};
-        const int ready = poll(&request, 1, static_cast<int>(1e3 * timeout));
-        if (ready == 0) throw InputError("nothing came for " + std::to_string(static_cast<long>(timeout)) + " s");
-        if (ready < 0 && errno != EINTR) fail(errno);
-        const ssize_t some = ready < 0 ? -1 : ::read(descriptor, bytes, count);
-        if (some >= 0) return static_cast<std::size_t>(some);
-        if (errno != EINTR && errno != EAGAIN) fail(errno);
-    }
 }
 
 }  // namespace
@@ -87,23 +74,23 @@ bool InputFile::same_as(int descriptor) const noexcept {
 }
 
 std::size_t InputFile::read(std::uint64_t offset, std::byte* bytes, std::size_t count) const {
-    return read_at(descriptor_.number(), offset, bytes, count);
+    return read_at(descriptor_.number(), static_cast<std::int64_t>(offset), bytes, count);
 }
 
 std::span<const EmbeddedFile> embedded_files() noexcept { return {}; }
 
-std::string read_text_input(const std::string& path, std::uint64_t most, double timeout) {
+std::string read_text_input(const std::string& path, std::uint64_t most) {
     const Opened opened(path);
     const bool pipe = opened.nameless_pipe();
     if (!pipe) opened.require_regular();
+    if (pipe) fcntl(opened.file.number(), F_SETFL, 0);  // reading waits for the writer
     const std::string limit = std::to_string(most), size = std::to_string(opened.about.st_size);
     if (static_cast<std::uint64_t>(opened.about.st_size) > most)
         throw InputError(size + " bytes, more than the " + limit + " that such a file may have");
     std::string text;
     std::vector<std::byte> block(65536);  // not on the stack: threads of a host may have little
     const auto next = [&] {
-        return pipe ? read_pipe(opened.file.number(), block.data(), block.size(), timeout)
-                    : read_at(opened.file.number(), text.size(), block.data(), block.size());
+        return read_at(opened.file.number(), pipe ? -1 : static_cast<std::int64_t>(text.size()), block.data(), block.size());
     };
     // Not by its size: files of /proc have none, and others may grow.
     for (std::size_t some = 0; (some = next()) > 0;) {

@@ -75,11 +75,9 @@ struct EmbeddedFile {
 inline constexpr std::string_view embedded_folder = "ready:";
 
 /// All of a text, without a byte order mark at its beginning. It may also come through a pipe without a name (`… | cvtflow check
-/// /dev/stdin`,
-/// `<(…)`), for which its writer is waited.
+/// /dev/stdin`, `<(…)`), for whose writer it waits.
 /// @param most longest text [byte]
-/// @param timeout time after which such a pipe is given up if nothing comes [s]
 /// @throws InputError
-[[nodiscard]] std::string read_text_input(const std::string& path, std::uint64_t most, double timeout = 10.0);
+[[nodiscard]] std::string read_text_input(const std::string& path, std::uint64_t most);
 
 }  // namespace cvtflow::engine
