@@ -8,6 +8,7 @@ from ._courses import how_to_record, time_text
 from ._known import Misuse, display_unit, suggestion
 from ._numbers import Array, cycles
 from ._page import finite
+from .commands._columns import table
 
 
 class Load:
@@ -72,13 +73,6 @@ def loads(record, requests, begin, until):
     return found
 
 
-def _columns(rows):
-    """Lines of right-aligned cells, the first row of which is a heading."""
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    rows.insert(1, ["-" * width for width in widths])
-    return "".join("  " + "  ".join(cell.rjust(width) for cell, width in zip(row, widths)) + "\n" for row in rows)
-
-
 def _text(load, classes, exponent, round_time, si):
     unit, factor = (load.unit, 1.0) if si else display_unit(load.name, load.unit)
     unit = "" if unit == "1" else unit
@@ -90,8 +84,8 @@ def _text(load, classes, exponent, round_time, si):
     each = f"one cycle per round of the chain ({rounds:.3g} rounds)" if rounds >= 1.0 else "one cycle in the record"
     note = (f"  note: the record covers {rounds:.2g} of a round of the chain ({time_text(round_time)}); no link has seen all of its loads\n"
             if 0.0 < rounds < 1.0 else "")
-    table = _columns([headings, *rows]) if rows else "  no cycles\n"
-    return (f"{load.name}: rainflow counts (ASTM E1049) of {outputs}\n{table}  damage-equivalent range "
+    shown = table(headings, rows, [False] * 5, 2) if rows else "  no cycles\n"
+    return (f"{load.name}: rainflow counts (ASTM E1049) of {outputs}\n{shown}  damage-equivalent range "
             f"{factor * load.equivalent_range(exponent, rounds):.6g} {unit} (exponent {exponent:g}, {each})\n{note}")
 
 

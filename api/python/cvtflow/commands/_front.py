@@ -86,6 +86,17 @@ def file_or_result(files=False):
     return found
 
 
+def between(kind, least, most):
+    """A type of arguments: a number, or with int a whole one, from least to most."""
+    def read(text):
+        if not least <= (value := kind(text)) <= most:
+            raise ValueError(text)
+        return value
+
+    read.__name__ = f"{'whole ' * (kind is int)}number from {least:g} to {most:g}"
+    return read
+
+
 def visible(text):
     """A text whose control characters are shown as \\x1b, so that no file's name or contents change the terminal."""
     return re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]", lambda each: "".join(f"\\x{byte:02x}" for byte in each[0].encode()), text)

@@ -1,7 +1,7 @@
 """`cvtflow clamp`: clamping forces of best efficiency at a margin of slip."""
 
 from . import reduce
-from ._front import UsageError
+from ._front import between
 
 DESCRIPTION = "Find the clamping forces of best efficiency at a margin of slip, as a table for a controller"
 FOOTER = "The table has the clamping forces of best efficiency that keep the margin, beside those of clamping.safety."
@@ -9,13 +9,11 @@ FOOTER = "The table has the clamping forces of best efficiency that keep the mar
 
 def declare(parser):
     reduce.declare(parser, "clamp", "table and picture")
-    parser.add_argument("--margin", metavar="NUMBER", type=float, default=0.1,
+    parser.add_argument("--margin", metavar="NUMBER", type=between(float, 0.0, 3.0), default=0.1,
                         help="Torque that remains to the limit of slip, as a share of the load (default: 0.1)")
 
 
 def act(given):
-    if not 0.0 <= given.margin <= 3.0:
-        raise UsageError(f"--margin: Value {given.margin:g} not in range 0 to 3 (cvtflow clamp --help)")
     request = reduce.request_of(given, "clamp", given.margin)
     from .._clamp import clamp
 

@@ -6,7 +6,7 @@ import sys
 
 from .. import _rows
 from ._columns import column_of, exact, heading_of, table
-from ._front import UsageError, file_or_result, visible
+from ._front import UsageError, between, file_or_result, visible
 
 DESCRIPTION = "Compare the results of two sweeps case by case"
 FOOTER = """Cases are the same if their keys have the same values. Wall times, versions and starts are not compared.
@@ -18,20 +18,10 @@ def declare(parser):
     add = parser.add_argument
     add("a", type=file_or_result(), help="Folder of a sweep, or a CSV of it")
     add("b", type=file_or_result(), help="The same of another sweep")
-    add("--tolerance", type=_share, default=0.0, metavar="NUMBER",
+    add("--tolerance", type=between(float, 0.0, 1.0), default=0.0, metavar="NUMBER",
         help="Relative difference up to which numbers count as equal, e.g. 1e-3 [0]")
     add("--column", action="append", default=[], metavar="NAME", help="Compare this column only; may be repeated")
     add("--json", action="store_true", help="Differences as JSON, with provenance")
-
-
-def _share(text):
-    value = float(text)
-    if not 0.0 <= value <= 1.0:
-        raise ValueError(text)
-    return value
-
-
-_share.__name__ = "number from 0 to 1"
 
 
 def act(arguments):

@@ -7,7 +7,7 @@ import re
 from html import escape
 
 from .._output import Output, OutputError, give_name, sync_folder
-from ._front import FORCE, UsageError, file_or_result, require, say
+from ._front import FORCE, UsageError, between, file_or_result, require, say
 
 DESCRIPTION = "Write a record for other programs: channels as CSV, pins and plates for ParaView"
 FOOTER = """
@@ -22,7 +22,7 @@ def declare(parser):
     add("--csv", metavar="FILE", help="Table to write: one row per output, one column per number, units in the heading")
     add("--vtk", metavar="FILE.pvd",
         help="Collection to write for ParaView; its states go to the folder FILE: pins, plates and sheaves with forces")
-    add("--every", metavar="COUNT", type=int, default=1, help="Write every COUNT-th state only")
+    add("--every", metavar="COUNT", type=between(int, 1, 1_000_000), default=1, help="Write every COUNT-th state only")
     add("--force", action="store_true", help=FORCE)
 
 
@@ -34,8 +34,6 @@ def act(given):
         raise UsageError("channels require --csv")
     if given.vtk and os.path.splitext(given.vtk)[1] != ".pvd":
         raise UsageError(f"--vtk {given.vtk}: the name must end in .pvd")
-    if not 1 <= given.every <= 1000000:
-        raise UsageError(f"--every: Value {given.every} not in range [1 - 1000000] (cvtflow export --help)")
     from . import _inputs
 
     record = _inputs.records([given.record])[0]

@@ -5,7 +5,7 @@ import math
 from .._output import Output
 from . import _scenes
 from ._columns import table
-from ._front import FORCE, UsageError, require, say, visible
+from ._front import FORCE, UsageError, between, require, say, visible
 
 DESCRIPTION = "Adjust keys of a scene to measured values, with confidence intervals"
 FOOTER = """Headings of the data are keys of the scene (operating points) and scalars of a sweep (measured values), with units:
@@ -20,7 +20,7 @@ def declare(parser):
     add("--key", action="append", required=True, metavar="KEY=LOW:HIGH", help="Key to adjust between two values; may be repeated")
     add("--deviation", action="append", default=[], metavar="SCALAR=VALUE",
         help="Standard deviation of a measured value (default: 1 %% of the largest)".replace("%%", "%"))
-    add("--threads", type=int, default=0, metavar="N", help="Threads of the runs (default: all)")
+    add("--threads", type=between(int, 1, 1024), default=0, metavar="N", help="Threads of the runs (default: all)")
     add("-o", "--output", metavar="FILE", help="Write the scene with the fitted values")
     add("--force", action="store_true", help=FORCE)
 

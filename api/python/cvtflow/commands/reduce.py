@@ -3,7 +3,7 @@
 import os
 
 from .._output import default_place
-from ._front import FORCE, UsageError, matplotlib, require
+from ._front import FORCE, between, matplotlib, require
 from ._scenes import declare_scene, load
 
 DESCRIPTION = "Reduce a machine to its steady map and shift law: tables and an FMU with measured errors"
@@ -20,7 +20,7 @@ def declare(parser, command="reduce", files="tables, picture and FMUs"):
     add("-o", "--output", metavar="DIR", help=f"Folder for {files} (default: results/NAME_{command})")
     add("--axes", metavar="FILE", help="TOML file of axes, instead of the scene's ranges (docs/reduce.md)")
     add("--force", action="store_true", help=FORCE)
-    add("--threads", metavar="COUNT", type=int, default=0, help="Threads of the sweeps (default: all)")
+    add("--threads", metavar="COUNT", type=between(int, 1, 1024), default=0, help="Threads of the sweeps (default: all)")
 
 
 def request_of(given, command, margin=None):
@@ -28,8 +28,6 @@ def request_of(given, command, margin=None):
     from .._scene import value_of
 
     require(command, "numpy", "matplotlib", "h5py")
-    if not 0 <= given.threads <= 1024:
-        raise UsageError(f"--threads: Value {given.threads} not in range 1 to 1024 (cvtflow {command} --help)")
     scene = load(given)
     axes = ""
     if given.axes:

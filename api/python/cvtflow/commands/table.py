@@ -5,7 +5,7 @@ import sys
 
 from .. import _rows
 from ._columns import column_of, exact, heading_of, short, table
-from ._front import SI, UsageError, file_or_result, require, visible
+from ._front import SI, UsageError, between, file_or_result, require, visible
 
 DESCRIPTION = "Show the results of a sweep as text or CSV, or count the cycles of a recorded load"
 FOOTER = """In Python: pandas.read_csv("DIR/results.csv") is the table of a finished sweep, cvtflow.Sweep.results("DIR") that of any."""
@@ -24,21 +24,11 @@ def declare(parser):
     add("--rainflow", action="append", default=[], metavar="CHANNEL",
         help="Count the load cycles (ASTM E1049) of a channel, or of its elements NAME[3], NAME[*]; DIR is the record of a run; may be "
              "repeated")
-    add("--classes", type=_between(int, 1, 10000), default=16, metavar="COUNT", help="Number of classes of ranges [16]")
-    add("--exponent", type=_between(float, 1.0, 50.0), default=5.0, metavar="NUMBER", help="Exponent of the Woehler line, for the damage-equivalent range [5]")
+    add("--classes", type=between(int, 1, 10000), default=16, metavar="COUNT", help="Number of classes of ranges [16]")
+    add("--exponent", type=between(float, 1.0, 50.0), default=5.0, metavar="NUMBER", help="Exponent of the Woehler line, for the damage-equivalent range [5]")
     add("--from", dest="begin", metavar="TIME", help="Start of counting")
     add("--until", metavar="TIME", help="End of counting")
     add("--json", action="store_true", help="Cycles and classes as JSON, with provenance")
-
-
-def _between(kind, least, most):
-    def read(text):
-        if not least <= (value := kind(text)) <= most:
-            raise ValueError(text)
-        return value
-
-    read.__name__ = f"{'whole ' * (kind is int)}number from {least:g} to {most:g}"
-    return read
 
 
 def act(arguments):
