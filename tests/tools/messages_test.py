@@ -66,6 +66,7 @@ IN_SCENES = (
                       "run tiny"),
     ("batch baseline", 1,
      "no sweep 'baseline'; ready sweeps: operating_map, slip_efficiency, steady_map; to run the scene of that name: cvtflow run baseline"),
+    ("batch sweep.tml", 1, "no sweep 'sweep.tml' (did you mean \"sweep.toml\"?); ready sweeps: operating_map, slip_efficiency, steady_map"),
     ("run slip_efficiency", 1, "'slip_efficiency' is a ready sweep, not a scene; to run it: cvtflow batch slip_efficiency"),
 )
 IN_SETTINGS = (

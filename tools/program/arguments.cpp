@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "engine/base/text.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/ready_scenes.hpp"
@@ -180,8 +181,11 @@ tasks::Sweep load_sweep(const std::string& path) {
     }
     const auto scenes = tasks::ready_scenes();
     const bool scene = std::ranges::find(scenes, path, &tasks::ReadyScene::name) != scenes.end();
-    throw tasks::SceneError(fmt::format("no sweep '{}'; ready sweeps: {}{}", path, fmt::join(names, ", "),
-                                        scene ? fmt::format("; to run the scene of that name: cvtflow run {}", path) : ""));
+    const std::string ready = fmt::format("{}", fmt::join(names, ", "));
+    for (const std::filesystem::directory_entry& file : std::filesystem::directory_iterator(".", unreadable))
+        if (file.path().extension() == ".toml") names.push_back(file.path().filename().string());
+    throw tasks::SceneError(fmt::format("no sweep '{}'{}; ready sweeps: {}{}", path, engine::did_you_mean(engine::closest(path, names)),
+                                        ready, scene ? fmt::format("; to run the scene of that name: cvtflow run {}", path) : ""));
 }
 
 }  // namespace cvtflow::tools
