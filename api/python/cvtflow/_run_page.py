@@ -175,13 +175,8 @@ def curve_data(record, most, si):
         else:
             entry["c"] = float(values[0])
         curves.append(entry)
-    return {"label": record.path, "rows": record.rows, "shown": len(time), "t": packed(time, "<f8"), "targets": _targets(record),
-            "curves": curves}
-
-
-def _targets(record):
-    """Channels that are drawn beside others: what a controller holds."""
-    return {"ratio": "control/target"} if "control/target" in record.info and plots.controls_ratio(record) else {}
+    held = {"ratio": "control/target"} if "control/target" in record.info and plots.controls_ratio(record) else {}  # drawn beside it
+    return {"label": record.path, "rows": record.rows, "shown": len(time), "t": packed(time, "<f8"), "targets": held, "curves": curves}
 
 
 def _edges(rows, columns):

@@ -99,15 +99,10 @@ def _rainflow(arguments):
 
 
 def _time(option, text, otherwise):
-    if text is None:
-        return otherwise
-    try:
-        return float(text)
-    except ValueError:
-        pass
     from .. import quantity
 
     try:
-        return quantity(text, "s")
+        number = otherwise if text is None else _rows.number_of(text)
+        return quantity(text, "s") if number is None else number
     except ValueError:
         raise UsageError(f"{option} {text}: not a time") from None
