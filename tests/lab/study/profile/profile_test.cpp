@@ -122,18 +122,18 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
     EXPECT_EQ(profile.bare.size(), 2u);  // of one and of two threads
 }
 
-/// A run searches for its automatic step once, with a hundred evaluations or more; afterwards, from time to time, with a few more.
+/// A run searches for its automatic step with a hundred evaluations or more, and once more after 1, 2, 4 … ms: here once, after 1 ms.
 TEST(Trial, SearchesForItsAutomaticStepOnceAsARunDoes) {
     Trial trial(claims::ready_scene("baseline", {"run.method=leapfrog-sweep"}), Schedule{});
     const auto evaluations = [&] { return trial.simulation().part().step_choice()->evaluations(); };
     EXPECT_EQ(trial.run(50).steps, 50);
     const long first = evaluations();
     EXPECT_GT(first, 100);
-    const TrialSample second = trial.run(200);
-    EXPECT_EQ(second.steps, 200);
-    EXPECT_GE(second.evaluations, 200);
+    const TrialSample second = trial.run(300);
+    EXPECT_EQ(second.steps, 300);
+    EXPECT_GE(second.evaluations, 300);
     EXPECT_GT(evaluations(), first) << "began again";
-    EXPECT_LT(evaluations(), 2 * first);
+    EXPECT_LT(evaluations(), 3 * first) << "each of its steps is tried anew";
 }
 
 TEST(Trial, CountsEveryCallsStepsBeforeAStartHasSettledToo) {
