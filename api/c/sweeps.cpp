@@ -6,7 +6,6 @@
 
 #include "api/c/boundary.hpp"
 #include "engine/executor/cancellation.hpp"
-#include "engine/record/run/schema.hpp"
 #include "tasks/batch/batch.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 

@@ -5,7 +5,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "engine/method/catalogue.hpp"
 #include "tasks/method/method.hpp"
 
 namespace cvtflow::bench {

@@ -9,7 +9,6 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "bench/executor/further_executors.hpp"
 #include "engine/thread/child_process.hpp"
 #include "tools/program/front.hpp"
 
