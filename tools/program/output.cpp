@@ -11,7 +11,6 @@
 #include "engine/record/run/state_file.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tools/program/guard.hpp"
-#include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
 

@@ -153,8 +153,10 @@ TEST(HeldLinks, TakePartOfTheAccelerationsAndKeepMomentum) {
         for (const auto& [rear, front] : {std::pair{link_layout.x(End::rear, 0), link_layout.x(End::front, 0)},
                                           std::pair{link_layout.y(End::rear, 0), link_layout.y(End::front, 0)},
                                           std::pair{link_layout.z(End::rear), link_layout.z(End::front)}}) {
-            const auto net = [&](const Numbers& of) { return of[static_cast<std::size_t>(rear)] + of[static_cast<std::size_t>(front)]; };
-            EXPECT_NEAR(net(push), net(f), 1e-10 * largest(f)) << rear;
+            const auto net = [](const Numbers& of, int a, int b) {
+                return of[static_cast<std::size_t>(a)] + of[static_cast<std::size_t>(b)];
+            };
+            EXPECT_NEAR(net(push, rear, front), net(f, rear, front), 1e-10 * largest(f)) << rear;
         }
         for (std::size_t k = 0; k < a.size(); ++k) changed[k] -= free[k];
         EXPECT_TRUE(step < 1e-6 || largest(changed) > 0.1 * largest(free)) << "it acts";

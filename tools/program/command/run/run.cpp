@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "engine/base/provenance.hpp"
-#include "engine/record/run/schema.hpp"
 #include "tasks/run/run.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/guard.hpp"
