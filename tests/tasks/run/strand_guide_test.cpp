@@ -77,7 +77,7 @@ TEST(StrandGuides, PressAlikeAtBothChains) {
 /// fast.
 TEST(StrandGuides, AreCountedInTheStableStep) {
     for (const std::string detail : {"rigid", "fine"}) {
-        Scene scene = pressed_scene(detail, {"start.state=", "guide.friction_coefficient=0"});  // which damps, too
+        Scene scene = pressed_scene(detail, {"start.state=", "guide.damping=0"});
         scene.parameters.guide.stiffness = 1e11;  // beyond the range of the key
         const double frequency = std::sqrt(scene.parameters.guide.stiffness / model::link_mass(scene.parameters));
         const double found = largest_step(Simulation(scene)).rate;
