@@ -13,8 +13,6 @@
 #include "bench/method/analysis/order.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/executor/run.hpp"
-#include "engine/method/catalogue.hpp"
-#include "tasks/method/method.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml_tree.hpp"
 #include "tests/tasks/run/settled_run_fixture.hpp"

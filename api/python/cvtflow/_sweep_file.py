@@ -22,7 +22,8 @@ class SweepFile:
         """Raises SceneError with every problem in it."""
         cases: list[int] = []
         progress = ON_PROGRESS(lambda now, _: cases.append(now.contents.cases) or 0)
-        check(c.sweep_run(encoded(path, (str, os.PathLike)), None, 1, progress, None, message()))
+        place = encoded(path, (str, os.PathLike))  # Ctrl-C would be lost in a callback on this thread
+        interruptible(lambda: check(c.sweep_run(place, None, 1, progress, None, message())), lambda: None)
         return SweepFile(os.fspath(path), cases[0])
 
     def cancel(self) -> None:
