@@ -153,7 +153,7 @@ class Series:
     pin_frequency: Any = None
     info: Any
 
-    attributes: Any = {}
+    attributes = property(lambda self: {}, doc="Of the whole file, by name.")
     rows = property(lambda self: len(self["time"]), doc="Number of rows.")
 
     def read(self, channel: str, first: int = 0, count: int | None = None) -> Array:
