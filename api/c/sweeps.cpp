@@ -60,7 +60,7 @@ private:
 
 /// Runs the cases that are missing in the folder.
 /// @return whether all cases are in the table; false after a cancellation   @throws Error (record, state, argument)
-bool run_cases(const tasks::Sweep& sweep, const std::string& folder, int threads, engine::Cancellation& cancel,
+bool run_cases(const tasks::Sweep& sweep, const std::string& folder, int threads, bool keep_going, engine::Cancellation& cancel,
                std::function<void(const tasks::BatchProgress&)> progress) {
     return api::translated(ErrorCode::record, [&] {
         api::require_threads(threads, 0);
@@ -68,6 +68,7 @@ bool run_cases(const tasks::Sweep& sweep, const std::string& folder, int threads
         options.folder = folder;
         options.threads = threads > 0 ? threads : tasks::usable_threads();
         options.grace = 0.0;
+        options.keep_going = keep_going;
         options.cancel = &cancel;
         options.progress = std::move(progress);
         if (sweep.accuracy.target > 0.0) throw Error(ErrorCode::argument, sweep.name + ": cvtflow batch runs a sweep with [accuracy]");
@@ -82,7 +83,7 @@ bool run_cases(const tasks::Sweep& sweep, const std::string& folder, int threads
     });
 }
 
-void run_sweep(const char* file, const char* folder, int threads, cvtflow_progress_function function, void* user) {
+void run_sweep(const char* file, const char* folder, int threads, bool keep_going, cvtflow_progress_function function, void* user) {
     const tasks::Sweep sweep =
         api::entered(ErrorCode::scene, [&] { return tasks::read_sweep(&api::given(file, "file"), tasks::find_scene); });
     Progress progress(function, user, sweep.cases());
@@ -92,7 +93,7 @@ void run_sweep(const char* file, const char* folder, int threads, cvtflow_progre
         if (folder == nullptr) return;
         throw Error(ErrorCode::cancelled, "cancelled");
     }
-    const bool finished = run_cases(sweep, folder, threads, cancel, [&](const tasks::BatchProgress& now) {
+    const bool finished = run_cases(sweep, folder, threads, keep_going, cancel, [&](const tasks::BatchProgress& now) {
         if (progress.report(now)) cancel.request();
     });
     if (!finished) throw Error(ErrorCode::cancelled, "cancelled");
@@ -102,9 +103,9 @@ void run_sweep(const char* file, const char* folder, int threads, cvtflow_progre
 
 extern "C" {
 
-cvtflow_code cvtflow_sweep_run(const char* file, const char* folder, int32_t threads, cvtflow_progress_function function, void* user,
-                               cvtflow_message* message) {
-    return api::guarded(message, [&] { run_sweep(file, folder, threads, function, user); });
+cvtflow_code cvtflow_sweep_run(const char* file, const char* folder, int32_t threads, int32_t keep_going,
+                               cvtflow_progress_function function, void* user, cvtflow_message* message) {
+    return api::guarded(message, [&] { run_sweep(file, folder, threads, keep_going != 0, function, user); });
 }
 
 }  // extern "C"

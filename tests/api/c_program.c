@@ -241,10 +241,11 @@ static void check_files(const cvtflow_scene* scene) {
     fputs("[sweep]\nscene = \"tiny\"\n[set]\n\"run.until\" = 2e-5\n\"start.settling_time\" = 2e-5\n\"start.ramp_time\" = 1e-5\n"
           "[[axes]]\nkey = \"load.torque\"\nvalues = [6, 7, 8]\n[outputs]\nscalars = [\"slip mean\"]\n", file);
     fclose(file);
-    CHECK(cvtflow_sweep_run("/nowhere.toml", NULL, 1, NULL, NULL, &message) == CVTFLOW_SCENE);
-    CHECK(cvtflow_sweep_run("c_program_sweep.toml", NULL, 1, end_after_two, &done, &message) == CVTFLOW_OK && done == 0);
-    CHECK(cvtflow_sweep_run("c_program_sweep.toml", "c_program_sweep", 1, end_after_two, &done, &message) == CVTFLOW_CANCELLED && done == 2);
-    CHECK(cvtflow_sweep_run("c_program_sweep.toml", "c_program_sweep", 1, NULL, NULL, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_sweep_run("/nowhere.toml", NULL, 1, 0, NULL, NULL, &message) == CVTFLOW_SCENE);
+    CHECK(cvtflow_sweep_run("c_program_sweep.toml", NULL, 1, 0, end_after_two, &done, &message) == CVTFLOW_OK && done == 0);
+    CHECK(cvtflow_sweep_run("c_program_sweep.toml", "c_program_sweep", 1, 1, end_after_two, &done, &message) == CVTFLOW_CANCELLED);
+    CHECK(done == 2);
+    CHECK(cvtflow_sweep_run("c_program_sweep.toml", "c_program_sweep", 1, 0, NULL, NULL, &message) == CVTFLOW_OK);
 }
 #endif
 

@@ -36,7 +36,7 @@ DEEP = os.environ.get("CVTFLOW_TEST_DEPTH") == "deep"
 folder = tempfile.TemporaryDirectory(prefix="cvtflow-reduce-")
 os.chdir(folder.name)
 sys.dont_write_bytecode = True
-from cvtflow import _reduce, _reduction, _small  # noqa: E402
+from cvtflow import MaxStepsError, Scene, _reduce, _reduction, _small  # noqa: E402
 from cvtflow._known import Misuse  # noqa: E402
 from cvtflow._output import OutputError  # noqa: E402
 
@@ -292,53 +292,51 @@ class Fmus(unittest.TestCase):
 
 
 class Files(unittest.TestCase):
-    def bench(self, program, folder=None, names=(), force=False):
-        Path("program").write_text(f"#!/bin/sh\n{program}\n")
-        os.chmod("program", 0o755)
+    def bench(self, folder=None, names=(), force=False):
         folder = folder or tempfile.mkdtemp(dir=".")
-        return _reduce.Bench({"folder": os.path.abspath(folder), "program": os.path.abspath("program"), "scene": {}, "threads": 0,
-                              "detail": "rigid", "place": folder, "text": "scene", "force": force, "named": True}, names)
+        scene = {"detail.pulleys": "rigid"}
+        return _reduce.Bench({"folder": os.path.abspath(folder), "scene": scene, "threads": 1, "detail": "rigid", "place": folder,
+                              "text": Scene.ready("tiny").text, "force": force, "named": True}, names)
 
     def test_of_others_are_refused_before_anything_runs(self):
-        bench, target = self.bench("exit 0", names=["map.csv"]), Path("target")
+        bench, target = self.bench(names=["map.csv"]), Path("target")
         place = Path(bench.folder, "map.csv")
         target.write_text("mine")
         for make in (lambda: os.symlink(target.absolute(), place), lambda: os.link(target, place), lambda: place.write_text("edited")):
             make()
-            self.assertRaises(OutputError, self.bench, "exit 0", bench.folder, ["map.csv"])
+            self.assertRaises(OutputError, self.bench, bench.folder, ["map.csv"])
             self.assertRaises(OutputError, bench.write, "map.csv", "newer")
             if not place.is_symlink():
-                self.bench("exit 0", bench.folder, ["map.csv"], force=True).write("map.csv", "newer")
+                self.bench(bench.folder, ["map.csv"], force=True).write("map.csv", "newer")
                 self.assertEqual(place.read_text(), "newer")
             place.unlink()
         self.assertEqual(target.read_text(), "mine")
         os.rename(bench.runs, "elsewhere")
         os.symlink(os.path.abspath("elsewhere"), bench.runs)
-        self.assertRaisesRegex(FileExistsError, "is a link", self.bench, "exit 0", bench.folder)
+        self.assertRaisesRegex(FileExistsError, "is a link", self.bench, bench.folder)
 
     def test_that_a_power_cut_has_emptied_are_written_again(self):
-        bench = self.bench("exit 0")
+        bench = self.bench()
         scene = Path(bench.runs, "scene.toml")
         text = scene.read_text()
         scene.write_text("")
-        self.bench("exit 0", bench.folder)
+        self.bench(bench.folder)
         self.assertEqual(scene.read_text(), text)
 
     def test_of_a_course_that_failed_or_was_killed_are_no_record_and_no_obstacle(self):
-        bench = self.bench('for word; do [ "$before" = -o ] && echo half >"$word"; before="$word"; done; exit 3')
-        self.assertRaises(ValueError, bench.record, "shift", {})
-        self.assertEqual(sorted(os.listdir(bench.runs)), ["scene.toml", "shift_running.h5"])
-        Path(bench.runs, "shift_running.h5.part").write_text("half")
-        new = 'for word; do [ "$before" = -o ] && { [ -e "$word" ] && exit 1; echo whole >"$word"; }; before="$word"; done'
-        self.bench(new, bench.folder).record("shift", {})
-        self.assertEqual(sorted(os.listdir(bench.runs)), ["scene.toml", "shift.h5"])
-        self.assertEqual(Path(bench.runs, "shift.h5").read_text(), "whole\n")
+        bench, brief = self.bench(), {"start.settling_time": "20 us", "start.ramp_time": "10 us", "run.until": "0.1 ms"}
+        self.assertRaises(MaxStepsError, bench.record, "tiny", {**brief, "run.max_steps": 40})
+        self.assertEqual(sorted(os.listdir(bench.runs)), ["scene.toml", "tiny.h5.part"])
+        Path(bench.runs, "tiny.h5.part").write_text("half")
+        self.assertAlmostEqual(bench.record("tiny", brief)["time"][-1], 1e-4)
+        self.assertEqual(sorted(os.listdir(bench.runs)), ["scene.toml", "tiny.h5"])
+        self.assertEqual(bench.record("tiny", {}).status, "finished")  # it is not run again
 
-    def test_of_sweeps_keep_the_pulleys_of_the_scene(self):
-        bench = self.bench("exit 1")
-        bench.scene = {"detail.pulleys": "rigid"}
-        self.assertRaises(ValueError, bench.sweep, "map", {}, {"load.torque": [1.0]}, [])
-        self.assertIn('detail.pulleys = "rigid"\n', Path(bench.runs, "map.toml").read_text())
+    def test_of_sweeps_have_the_pulleys_of_the_scene_and_every_case_also_if_a_dozen_fails_alike(self):
+        bench = self.bench()
+        found = bench.sweep("map", {}, {"start.ratio": [0.3] * 13}, ["slip mean"])
+        self.assertEqual((len(found["status"]), set(found["status"])), (13, {"bad_parameters"}))
+        self.assertIn('detail.pulleys = "rigid"\n', Path(bench.runs, "map/sweep.toml").read_text())
 
 
 def modelica_tables(text):
@@ -370,7 +368,7 @@ class OfAScene(unittest.TestCase):
             self.assertLess(float(found[1]), largest, name)
 
     def test_states_what_it_measures_and_how_far_it_is(self):
-        self.assertRegex(self.done.stderr, r"measured are the map, .*2 points at rigid\n  map +16 cases\n(\d+ of 16 cases, .*\n)+  map +16 cases in ")
+        self.assertRegex(self.done.stderr, r"measured are the map, .*2 points at rigid\n  map +16 cases\n(\d+ of 16 cases.*\n)+  map +16 cases in ")
 
     def test_has_a_status_where_a_course_is_missing(self):
         shutil.copytree("reduced", "courses")
@@ -422,36 +420,27 @@ class OfAScene(unittest.TestCase):
         done = cvtflow("reduce", "baseline", "-o", "others")
         self.assertEqual((done.returncode, Path("others/map.csv").read_text()), (1, "mine"), done.stderr)
         self.assertIn("contains files of others", done.stderr)
-        for words, file in ((["--axes", "other.toml"], "map.csv"), (["--axes", "axes.toml", "--set", "load.inertia=1"], "scene.toml"),
-                            (["--axes", "axes.toml", "--detail", "fine"], "scene.toml")):
+        for words, message in ((["--axes", "other.toml"], "map: results of another sweep"),
+                               (["--axes", "axes.toml", "--set", "load.inertia=1"], "scene.toml: differs, so results"),
+                               (["--axes", "axes.toml", "--detail", "fine"], "scene.toml: differs, so results")):
             Path("other.toml").write_text(Path("axes.toml").read_text().replace("0.5", "0.6"))
             done = cvtflow("reduce", "baseline", "-o", "reduced", "--force", *words)
             self.assertEqual(done.returncode, 1, done.stderr)
-            self.assertIn(f"runs/{file}: differs, so results", done.stderr)
+            self.assertIn(f"runs/{message}", done.stderr)
 
-    def test_takes_its_sweep_along_when_it_is_stopped(self):
-        def working():
-            """Processes in the folder of the sweeps."""
-            found = []
-            for process in Path("/proc").glob("[0-9]*/cwd"):
-                try:
-                    found += [process] * os.readlink(process).startswith(os.path.realpath("stopped"))
-                except OSError:  # it has ended, or belongs to others
-                    pass
-            return found
-
-        def eventually(condition):
-            end = time.monotonic() + 60
-            while not condition() and time.monotonic() < end:
-                time.sleep(0.05)
-            return condition()
-
-        words, silent = [CVTFLOW, "reduce", "baseline", "-o", "stopped"], subprocess.DEVNULL
-        for end in (signal.SIGTERM, signal.SIGKILL):
-            with subprocess.Popen(words, stdout=silent, stderr=silent) as run:
-                self.assertTrue(eventually(lambda: Path("stopped/runs/map/claims").exists() and working()))
+    def test_continues_after_it_was_stopped_with_the_same_results(self):
+        shutil.copytree("reduced/runs", "stopped/runs", ignore=shutil.ignore_patterns("shift", "points_*"))
+        words, silent = ["reduce", "baseline", "-o", "stopped", "--axes", "axes.toml"], subprocess.DEVNULL
+        for sessions, end in enumerate((signal.SIGINT, signal.SIGKILL)):
+            with subprocess.Popen([CVTFLOW, *words], stdout=silent, stderr=silent) as run:
+                limit = time.monotonic() + 60
+                while len(list(Path("stopped/runs/shift").glob("rows-*.csv"))) <= sessions and time.monotonic() < limit:
+                    time.sleep(0.02)
                 run.send_signal(end)
-            self.assertTrue(eventually(lambda: not working()))
+            self.assertEqual((run.returncode, Path("stopped/runs/shift/results.csv").exists()), (-end, False))
+        done = cvtflow(*words)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(*(Path(each, "errors.txt").read_text().split("\n")[:2] for each in ("reduced", "stopped")))
 
     def test_clamping_forces_lose_nothing_against_the_safety_factor_in_runs(self):
         """Also where the axis of loads ends far below the limit. Quick: docs/reduce.md's axes; deep: 15 points of three machines."""
@@ -490,7 +479,7 @@ class Published(unittest.TestCase):
     def steady(self, name, safeties, torque=100.0, **settings):
         """Efficiency and slip by safety factor of shaft 2."""
         scene = {**self.scene, **settings}
-        bench = _reduce.Bench({"folder": os.path.abspath("published"), "program": CVTFLOW, "text": self.text, "scene": scene, "threads": 0,
+        bench = _reduce.Bench({"folder": os.path.abspath("published"), "text": self.text, "scene": scene, "threads": 0,
                                "detail": "rigid", "place": "published", "force": False, "named": True})
         machine = _reduce.Machine(scene)
         points = [(1.0, 1.0 / safety, safety * torque / machine.limit(1.0, 1.0), 2000 * math.pi / 30) for safety in safeties]

@@ -269,12 +269,13 @@ typedef int (*cvtflow_progress_function)(const cvtflow_progress* progress, void*
 
 /* Runs the cases of a sweep file that have no row in the folder yet, and waits for them, as `cvtflow batch` does. One with [accuracy] is
  * refused (CVTFLOW_ARGUMENT): `cvtflow batch` runs it. folder NULL: checks the file, and calls the function once. threads 0: as many as
- * the process may use. The function, if not NULL, is called from one thread at a time, of the library: before the first case, after each,
- * and every 50 ms while cases step. CVTFLOW_CANCELLED if it ends the sweep, whose running cases then run again later; CVTFLOW_SCENE for
- * the file; CVTFLOW_RECORD for folders and tables; CVTFLOW_STATE for results of another sweep, program version or start state, or where
- * the first dozen cases all fail alike. Not in the core library. */
-CVTFLOW_API cvtflow_code cvtflow_sweep_run(const char* file, const char* folder, int32_t threads, cvtflow_progress_function function,
-                                           void* user, cvtflow_message* message);
+ * the process may use. keep_going other than 0 runs all cases, also where the first dozen fail alike. The function, if not NULL, is called
+ * from one thread at a time, of the library: before the first case, after each, and every 50 ms while cases step. CVTFLOW_CANCELLED if it
+ * ends the sweep, whose running cases then run again later; CVTFLOW_SCENE for the file; CVTFLOW_RECORD for folders and tables;
+ * CVTFLOW_STATE for results of another sweep, program version or start state, or where the first dozen cases all fail alike. Not in the
+ * core library. */
+CVTFLOW_API cvtflow_code cvtflow_sweep_run(const char* file, const char* folder, int32_t threads, int32_t keep_going,
+                                           cvtflow_progress_function function, void* user, cvtflow_message* message);
 
 #ifdef __cplusplus
 }

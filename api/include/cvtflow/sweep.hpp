@@ -24,7 +24,7 @@ public:
             *static_cast<long*>(cases) = static_cast<long>(now->cases);
             return 0;
         };
-        detail::call(cvtflow_sweep_run, path.c_str(), static_cast<const char*>(nullptr), 1, count, static_cast<void*>(&sweep.cases_));
+        detail::call(cvtflow_sweep_run, path.c_str(), static_cast<const char*>(nullptr), 1, 0, count, static_cast<void*>(&sweep.cases_));
         return sweep;
     }
     [[nodiscard]] long cases() const noexcept { return cases_; }
@@ -32,10 +32,11 @@ public:
     /// not depend on threads or interruptions.
     /// @param threads 0: as many as the process may use
     /// @param progress called before the first case and after each, from one thread at a time; must not throw
+    /// @param keep_going runs all cases, also where the first dozen fail with the same message
     /// @return whether all cases are in `folder`/results.csv; false after cancel()
     /// @throws Error (record) for folders and rows; (state) for results of another sweep, program version or start state, or if the first
-    /// dozen cases all fail with the same message; (argument)
-    bool run(const std::string& folder, int threads = 0, std::function<void(const SweepProgress&)> progress = {}) {
+    /// dozen cases all fail so; (argument)
+    bool run(const std::string& folder, int threads = 0, std::function<void(const SweepProgress&)> progress = {}, bool keep_going = false) {
         struct Call {
             std::atomic<bool>& cancelled;
             const std::function<void(const SweepProgress&)>& progress;
@@ -49,7 +50,7 @@ public:
         };
         detail::Message message;
         const cvtflow_code code =
-            cvtflow_sweep_run(path_.c_str(), folder.c_str(), threads, report, static_cast<void*>(&call), message.get());
+            cvtflow_sweep_run(path_.c_str(), folder.c_str(), threads, keep_going ? 1 : 0, report, static_cast<void*>(&call), message.get());
         const bool ended = cancelled_->exchange(false);
         if (code == CVTFLOW_CANCELLED && ended) return false;
         message.check(code);

@@ -30,7 +30,7 @@ notices i p f p p; energy_get i p p; transitions i p p p p; on_log i p f p p; on
 input_describe i i p p"""
 LONG = """shutdown i; scene_read i s p p; scene_parse i s s p p; scene_ready i s p p; scene_with i p p n p p; scene_with_detail i p s p p;
 scene_text i p p p p; create i p p p p; copy i p p p; destroy v p; advance_to i p d p; step i p p; largest_stable_step i p p p;
-state_set i p p n p; state_check i p n p; rhs i p d p p n p; record_begin i p s i p; record_finish i p i p; sweep_run i s s i f p p;
+state_set i p p n p; state_check i p n p; rhs i p d p p n p; record_begin i p s i p; record_finish i p i p; sweep_run i s s i i f p p;
 record_check i s p"""
 TYPES = {"v": None, "s": ctypes.c_char_p, "p": c_void_p, "f": c_void_p, "i": c_int32, "d": c_double, "n": c_size_t, "u": c_uint64}
 

@@ -1,12 +1,8 @@
 """`cvtflow reduce`: a machine's steady map and shift law as tables, and as an FMU with measured errors."""
 
-import ctypes
-import json
 import math
 import os
 import re
-import signal
-import subprocess
 import sys
 import time
 import tomllib
@@ -14,14 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from . import Scene, Simulation, Sweep, Threads, _known
+from . import Record, Recording, Scene, Simulation, Sweep, Threads, _known
 from ._numbers import belt_radii
 from ._output import Output
+from ._sweep import Line
 
 SHARES = (0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.85, 0.95)  # of the torque limit
 SAFETY = 1.3  # of tables over torque, where the scene has none
-_AXES = {"ratio": ({"1": 1.0}, 0.05, 20.0), "load": ({"1": 1.0, "%": 0.01}, 0.0, 2.0), "clamping": ({"N": 1.0, "kN": 1e3}, 1.0, 1e7),
-         "speed": ({"rad/s": 1.0, "rpm": math.pi / 30}, 0.1, 1e4)}  # units, least and largest value
+_AXES = {"ratio": ("1", 0.05, 20.0), "load": ("1", 0.0, 2.0), "clamping": ("N", 1.0, 1e7), "speed": ("rad/s", 0.1, 1e4)}  # unit, range
 KINDS = {"tips": ("tip_friction", "tip_damping"), "joints": ("joint_friction", "joint_damping"),
          "plates": ("plate_friction", "plate_damping", "inner"), "supports": ("supports",)}
 SCALARS = ["ratio mean", "slip mean", "friction_slip mean", "shaft_1/clamping mean", "tight_tension mean", "slack_tension mean",
@@ -107,31 +103,23 @@ def axes_of(machine, text, loads=SHARES):
 
 def _axis(name, value):
     """Values of an axis in SI."""
-    units, least, most = _AXES[name]
+    unit, least, most = _AXES[name]
     try:
-        found = np.array([_number(each, units) for each in (value if isinstance(value, list) else [[]])])
-    except (AttributeError, KeyError, OverflowError, TypeError, ValueError):
-        raise _known.Misuse(f"--axes: {name}: a list of numbers, or of texts with a unit of {', '.join(units)}") from None
+        found = np.array([_known.quantity(each, unit) if isinstance(each, str) else float(each if type(each) in (int, float) else [])
+                          for each in (value if isinstance(value, list) else [[]])])
+    except (OverflowError, TypeError, ValueError):
+        raise _known.Misuse(f"--axes: {name}: a list of numbers in SI, or of texts with a unit") from None
     if not 2 <= len(found) <= 100 or not ((found >= least) & (found <= most)).all() or (np.diff(found) < max(1e-3 * found[-1], 1e-6)).any():
         raise _known.Misuse(f"--axes: {name}: 2 to 100 values from {least:g} to {most:g} (SI), rising by a thousandth of the last or more")
     return found
 
 
-def _number(value, units):
-    if isinstance(value, str):
-        number, unit = re.fullmatch(r"\s*([-+.\deE]+)\s*(\S*)\s*", value).groups()
-        return float(number) * units[unit or "1"]
-    return float(value if type(value) in (int, float) else [])
-
-
 class Bench:
-    """Runs sweeps and scenes of one machine with the program, in a folder in which a second start continues."""
+    """Runs sweeps and scenes of one machine in a folder in which a second start continues."""
 
     def __init__(self, request, names=()):
         """names: of the files that write() may write."""
-        self.folder, self._program = request["folder"], request["program"]
-        self.scene, self._threads = request["scene"], ["--threads", str(request["threads"])] * (request["threads"] > 0)
-        self.level = request["detail"]
+        self.folder, self.scene, self.level, self._threads = (request[name] for name in ("folder", "scene", "detail", "threads"))
         self.runs = os.path.join(self.folder, "runs")
         if os.path.islink(self.runs):
             raise FileExistsError(f"{self.runs}: is a link; results are written into real folders")
@@ -140,35 +128,21 @@ class Bench:
         os.makedirs(self.runs, exist_ok=True)
         self._outputs = {name: Output(os.path.join(request["place"], name), force=request["force"], named=request["named"]) for name in names}
         self._text = re.sub(r"(?m)^state = .*\n", "", request["text"])  # start.state has no effect, and its path is that of the installation
-        self._keep("scene.toml", f"# {self.level}\n{self._text}")
+        head, place = f"# {self.level}\n{self._text}", os.path.join(self.runs, "scene.toml")
+        if not os.path.lexists(place) or os.path.getsize(place) == 0:  # a power cut has emptied it
+            Output(place, force=True).write(head.encode())
+        elif os.path.islink(place) or not os.path.isfile(place) or Path(place).read_bytes() != head.encode():
+            raise FileExistsError(f"{place}: differs, so results beside it are of another machine or level of detail; name another "
+                                  "folder, or remove this one")
 
     def write(self, name, content):
         """Writes a file of the folder. Raises OutputError."""
         self._outputs[name].write(content if isinstance(content, bytes) else content.encode())
 
-    def _keep(self, name, text):
-        """Writes a file that results beside it depend on. Raises FileExistsError where it has another content."""
-        path = os.path.join(self.runs, name)
-        if not os.path.lexists(path) or os.path.getsize(path) == 0:  # a power cut has emptied it
-            Output(path, force=True).write(text.encode())
-        elif os.path.islink(path) or not os.path.isfile(path) or Path(path).read_bytes() != text.encode():
-            raise FileExistsError(f"{path}: differs, so results beside it are of another machine, level of detail or other axes; name another "
-                                  "folder, or remove this one")
-
     @staticmethod
     def report(line):
         """Prints a line of progress."""
         print(f"  {line}", file=sys.stderr, flush=True)
-
-    def call(self, *words, folder=None, shows=False):
-        """Runs the program: the library ends a sweep whose first dozen cases fail alike, as those at the edge of a map may. shows: its messages
-        appear on the user's stderr. Raises RuntimeError with its message, unless rows state what failed."""
-        death = ctypes.CDLL(None).prctl
-        done = subprocess.run([self._program, *words], cwd=folder or self.runs, stdout=subprocess.DEVNULL, text=True,
-                              stderr=None if shows else subprocess.PIPE,
-                              preexec_fn=lambda: death(1, signal.SIGTERM))  # PR_SET_PDEATHSIG
-        if done.returncode not in (0, 5, 6, 7, 8):
-            raise ValueError(f"cvtflow {' '.join(words[:2])}: {(done.stderr or f'status {done.returncode}').strip()}")
 
     def shorter_step(self):
         """Three fifths of the automatic step at the start, as text."""
@@ -180,32 +154,28 @@ class Bench:
         return [(self.level, axes["points"])] + [("fine", axes["fine"])] * (self.level != "fine")
 
     def record(self, name, settings):
-        """Runs a ready scene with settings into NAME.h5, where that is missing: it gets its name when the run has ended."""
-        path, running = os.path.join(self.runs, f"{name}.h5"), f"{name}_running."
+        """The Record of a ready scene with settings, NAME.h5, which gets its name when the run has ended. Raises Error."""
+        path, begin = os.path.join(self.runs, f"{name}.h5"), time.monotonic()
         if not os.path.exists(path):
-            begin = time.monotonic()
-            for rest in [each for each in os.listdir(self.runs) if each.startswith(running)]:  # of a program that was stopped
-                os.remove(os.path.join(self.runs, rest))
-            words = [f"--set={key}={json.dumps(value)}" for key, value in settings.items()]
-            self.call("run", name, "--detail", self.level, "-q", "-o", os.path.join(self.runs, running + "h5"), *words, folder="/")
-            os.replace(os.path.join(self.runs, running + "h5"), path)
+            simulation = Simulation(Scene.ready(name).with_detail(self.level).with_(settings), Threads.private_arena(self._threads))
+            simulation.advance_to(0.0)
+            recording = Recording(simulation, path, replace=True)  # rows of a program that was stopped
+            simulation.advance_to(simulation.scene["run.until"])
+            recording.finish()
             self.report(f"{name:12} in {time.monotonic() - begin:.0f} s")
+        return Record(path)
 
     def sweep(self, name, settings, rows, scalars, continued=False, detail=None):
         """Results of a sweep over rows (key: values) as arrays by column; runs what is missing."""
         settings = {**_PLAIN, "detail.pulleys": self.scene["detail.pulleys"], **settings}  # which a level of detail would set
-        lines = ["[sweep]", f"name = {json.dumps(name)}", 'scene = "scene.toml"', f"detail = {json.dumps(detail or self.level)}", "[set]",
-                 *(f"{key} = {json.dumps(value)}" for key, value in settings.items()), "[[axes]]", f'csv = "{name}.csv"',
-                 "[outputs]", f"scalars = {json.dumps(scalars)}", "[start]", 'mode = "settle"',
-                 *['continuation = "load.torque"'] * continued]
-        self._keep(f"{name}.csv", ", ".join(rows) + "\n" + "".join(
-            ", ".join(f"{value:.9g}" for value in row) + "\n" for row in zip(*rows.values())))
-        self._keep(f"{name}.toml", "\n".join(lines) + "\n")
-        begin = time.monotonic()
-        if not os.path.exists(os.path.join(self.runs, name)):
+        start = {"mode": "settle", **({"continuation": "load.torque"} if continued else {})}
+        sweep = Sweep(Scene.parse(self._text), {tuple(rows): list(zip(*rows.values()))}, scalars, settings=settings,
+                      detail=detail or self.level, start=start, name=name)
+        begin, folder = time.monotonic(), os.path.join(self.runs, name)
+        if not os.path.exists(folder):
             self.report(f"{name:12} {len(next(iter(rows.values())))} cases")
-        self.call("batch", f"{name}.toml", "-o", name, *self._threads, "--keep-going", shows=True)
-        found = {column: np.array(values) for column, values in Sweep.results(os.path.join(self.runs, name)).items()}
+        results = sweep.run(folder, self._threads, Line(every=10.0), keep_going=True)  # the first dozen may be at the edge of a map
+        found = {column: np.array(values) for column, values in results.items()}
         self.report(f"{name:12} {len(found['case'])} cases in {time.monotonic() - begin:.0f} s, {np.sum(found['status'] == 'ok')} ok")
         return found
 

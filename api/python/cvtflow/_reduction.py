@@ -2,7 +2,6 @@
 
 import io
 import math
-import os
 import sys
 import time
 
@@ -96,16 +95,13 @@ def measure_points(bench, machine, model, chosen, detail, errors):
 
 def measure_course(bench, model, name, errors):
     """Errors over a ready scene with this machine: the model takes its clamping forces, its speed and the chain's torque, every ms."""
-    import h5py
-
     scene = bench.scene
     settings = {**{key: value for key, value in scene.items() if key.split(".")[0] in _MACHINE or key == "detail.pulleys"},
                 **COURSES[name], "start.state": "", "run.output_interval": "1 ms", "run.state_interval": "1 s",
                 "record.channels": _CHANNELS}
     try:
-        bench.record(name, settings)
-        with h5py.File(os.path.join(bench.runs, f"{name}.h5")) as file:
-            rows = {channel: np.ravel(file["channels"][channel][:]) for channel in ("time", *_CHANNELS)}
+        record = bench.record(name, settings)
+        rows = {channel: record[channel] for channel in ("time", *_CHANNELS)}
     except (RuntimeError, OSError, KeyError) as error:
         errors.missing.append(f"{name}: not measured: {error}")
         return

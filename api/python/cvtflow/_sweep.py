@@ -136,7 +136,8 @@ class Sweep:
         scene = path.with_name(name + ".scene.toml")
         return {path: self._text(scene.name), scene: self.scene.text}
 
-    def run(self, folder: str | os.PathLike[str], threads: int = 0, progress: Any = True, client: Any = None) -> Results:
+    def run(self, folder: str | os.PathLike[str], threads: int = 0, progress: Any = True, client: Any = None,
+            keep_going: bool = False) -> Results:
         """Runs what is missing in the folder, on so many threads (0: all), and returns results(folder).
 
         progress  True: one line that replaces itself, where stderr is a terminal or in a notebook, else nothing; False or None: nothing;
@@ -144,6 +145,7 @@ class Sweep:
         client    a distributed.Client: every worker of that Dask cluster becomes a worker of the sweep, by `cvtflow batch`, on so
                   many threads each. The folder is one that all of them see, and the program `cvtflow` is on their PATH. Progress is
                   looked up once a second. Raises RuntimeError with what a worker printed that could not work.
+        keep_going  runs all cases, also where the first dozen fail alike, which else raises StateError; not with a client
         Ctrl-C ends it, and the next call continues with the cases that have not ended. Raises StateError if the folder holds another sweep,
         whose files stay as they are.
         """
@@ -152,22 +154,22 @@ class Sweep:
             return self._run_on(client, folder.absolute(), threads, progress)
         folder.mkdir(parents=True, exist_ok=True)
         if self.accuracy is not None:
-            return self._run_verified(folder, threads, progress)
+            return self._run_verified(folder, threads, progress, keep_going)
         if (folder / "sweep.json").exists() and not self._has_files(folder):
             with tempfile.TemporaryDirectory() as elsewhere:  # of another sweep: it is refused; else it continues
-                _run(self.write(Path(elsewhere, "sweep.toml")), folder, threads, progress)
+                _run(self.write(Path(elsewhere, "sweep.toml")), folder, threads, progress, keep_going)
         else:
-            _run(self.write(folder / "sweep.toml"), folder, threads, progress)
+            _run(self.write(folder / "sweep.toml"), folder, threads, progress, keep_going)
         return self.results(folder)
 
-    def _run_verified(self, folder, threads, progress):
+    def _run_verified(self, folder, threads, progress, keep_going):
         from . import _verified_sweep
 
         with tempfile.TemporaryDirectory() as elsewhere:
             path = Path(elsewhere, "sweep.toml")
             self.write(path)
             _verified_sweep.tune(path, folder, threads)
-            _run(SweepFile.read(folder / "tuned.toml"), folder, threads, progress)
+            _run(SweepFile.read(folder / "tuned.toml"), folder, threads, progress, keep_going)
             _verified_sweep.verify(folder, threads)
         return self.results(folder)
 
@@ -196,7 +198,7 @@ class Sweep:
                     now = _done(folder, now)
                     report(SimpleNamespace(cases=now["cases"], before=before["done"], done=now["done"] - before["done"], failed=now["failed"],
                                            wall=time.monotonic() - begin))
-                if isinstance(report, _Line):
+                if isinstance(report, Line):
                     report.show("\n" if over else "")
                 if over:
                     break
@@ -318,24 +320,24 @@ def _reporter(progress):
     """What is called with the progress; None: nothing. Raises TypeError."""
     if not (progress is None or isinstance(progress, bool) or callable(progress)):
         raise TypeError(f"progress: True, False or a function of a SweepProgress, not {progress!r}")
-    return _Line() if progress is True else progress or None
+    return Line() if progress is True else progress or None
 
 
-def _run(file, folder, threads, progress):
+def _run(file, folder, threads, progress, keep_going):
     """Runs a SweepFile with the progress of Sweep.run()."""
     report = _reporter(progress)
-    if isinstance(report, _Line):
-        file.run(folder, threads, report, report.show)
-    else:
-        file.run(folder, threads, report)
+    file.run(folder, threads, report, report.show if isinstance(report, Line) else lambda end: None, keep_going)
 
 
-class _Line:
-    """Progress of a sweep as one line that replaces itself: on stderr if that is a terminal, in a notebook's cell, elsewhere nothing."""
+class Line:
+    """Progress of a sweep as one line that replaces itself: on stderr if that is a terminal, in a notebook's cell; elsewhere nothing, or
+    lines on stderr, in the end and at most every so many seconds before."""
 
-    def __init__(self):
+    def __init__(self, every=None):
         shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
-        self._stream = sys.stdout if hasattr(shell, "kernel") else sys.stderr if sys.stderr and sys.stderr.isatty() else None
+        terminal = sys.stderr is not None and sys.stderr.isatty()
+        self._stream = sys.stdout if hasattr(shell, "kernel") else sys.stderr if terminal or every else None
+        self._every, self._next = 0.0 if terminal else every or 0.0, time.monotonic() + (every or 0.0)
         self._now, self._text = None, ""
 
     def __call__(self, now):  # on a worker's thread
@@ -351,6 +353,9 @@ class _Line:
         if left and now.done:
             seconds = math.ceil(now.wall * left / now.done)
             text += f", about {seconds} s left" if seconds < 120 else f", about {seconds // 60} min left"
-        if text != self._text or end:
+        if self._every and (end or time.monotonic() > self._next):
+            print(text, file=self._stream, flush=True)
+            self._next = time.monotonic() + self._every
+        elif not self._every and (text != self._text or end):
             print("\r" + text.ljust(len(self._text)), end=end, file=self._stream, flush=True)
         self._text = text

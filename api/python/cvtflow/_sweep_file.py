@@ -23,7 +23,7 @@ class SweepFile:
         cases: list[int] = []
         progress = ON_PROGRESS(lambda now, _: cases.append(now.contents.cases) or 0)
         place = encoded(path, (str, os.PathLike))  # Ctrl-C would be lost in a callback on this thread
-        interruptible(lambda: check(c.sweep_run(place, None, 1, progress, None, message())), lambda: None)
+        interruptible(lambda: check(c.sweep_run(place, None, 1, 0, progress, None, message())), lambda: None)
         return SweepFile(os.fspath(path), cases[0])
 
     def cancel(self) -> None:
@@ -31,11 +31,12 @@ class SweepFile:
         self._ends = True
 
     def run(self, folder: str | os.PathLike[str], threads: int = 0, progress: Callable[[SweepProgress], Any] | None = None,
-            waiting: Callable[[str], Any] = lambda end: None) -> bool:
+            waiting: Callable[[str], Any] = lambda end: None, keep_going: bool = False) -> bool:
         """Runs the cases that have no row in the folder. False after cancel(). Ctrl-C ends it.
 
         progress  called after each case, on a worker's thread
         waiting   called at intervals with "", and in the end with a line break, on the caller's thread
+        keep_going  runs all cases, also where the first dozen fail alike, which else raises StateError
         """
         thrown: list[BaseException] = []
         done = [-1]  # the library calls at intervals, too
@@ -52,7 +53,7 @@ class SweepFile:
         function, path, place = ON_PROGRESS(report), encoded(self._path), encoded(folder, (str, os.PathLike))
         self._ends = False
         try:
-            interruptible(lambda: check(c.sweep_run(path, place, threads, function, None, message())), self.cancel, waiting)
+            interruptible(lambda: check(c.sweep_run(path, place, threads, keep_going, function, None, message())), self.cancel, waiting)
         except CancelledError:
             if thrown:
                 raise thrown[0] from None

@@ -39,7 +39,7 @@ def request_of(given, command, margin=None):
     place = given.output or default_place(f"{scene.name}_{command}")
     matplotlib()
     return {"name": scene.name, "scene": {key: value_of(scene.value(key)) for key in scene}, "text": scene.text, "place": place,
-            "folder": os.path.abspath(place), "program": os.environ["CVTFLOW_PROGRAM"], "axes": axes, "threads": given.threads,
+            "folder": os.path.abspath(place), "axes": axes, "threads": given.threads,
             "detail": given.detail or "rigid", "margin": margin, "force": given.force, "named": bool(given.output)}
 
 
