@@ -1,16 +1,11 @@
 """Measured data beside a simulation: columns whose headings are names of channels, columns or keys with units."""
 
 import os
-import re
 
 import numpy as np
 
 from ._known import Misuse, is_unit, quantity, quantity_name
-from ._rows import csv_rows, heading_of, number_of
-
-
-def _plain(name):
-    return re.sub(r"\W+", "_", name).strip("_")
+from ._rows import column_name, csv_rows, heading_of, number_of
 
 
 class Measured:
@@ -23,7 +18,7 @@ class Measured:
         self._columns = {}
         for heading, numbers in (_read(self.path) if isinstance(data, (str, os.PathLike)) else data).items():
             name, unit = heading_of(heading)
-            self._columns[_plain(name)] = (name, unit, np.asarray(numbers, dtype=float))
+            self._columns[column_name(name)] = (name, unit, np.asarray(numbers, dtype=float))
 
     def __iter__(self):
         """Names without their units, as they are written."""
@@ -35,13 +30,13 @@ class Measured:
 
     def has(self, name, unit):
         """Whether there is a column of that name. Raises Misuse for a unit of another dimension."""
-        return _plain(name) in self._columns and self.column(name, unit) is not None
+        return column_name(name) in self._columns and self.column(name, unit) is not None
 
     def column(self, name, unit):
         """Numbers in SI; `unit` is that of the channel. Raises Misuse."""
-        if _plain(name) not in self._columns:
+        if column_name(name) not in self._columns:
             raise Misuse(f"--with {self.path}: no column '{name}', only {self.names()}")
-        own, given, numbers = self._columns[_plain(name)]
+        own, given, numbers = self._columns[column_name(name)]
         try:
             return numbers * (quantity(f"1 {given}", unit or "1") if given else 1.0)
         except ValueError as error:

@@ -4,6 +4,7 @@ import collections
 import csv
 import json
 import os
+import re
 import zlib
 
 Column = collections.namedtuple("Column", "name unit description key shown")  # shown: (unit for people, factor to it from SI)
@@ -120,6 +121,11 @@ def csv_rows(path):
             raise ValueError(f"{path}:{line}: {len(row)} cells, not {len(rows[0][1])}")
     return [[cell.replace(",", ".") if separator != "," and number_of(cell.replace(",", ".")) is not None else cell for cell in row]
             for _, row in rows]
+
+
+def column_name(text):
+    """The column of a scalar or key: letters, digits and _ of "slip mean" and "load.torque"."""
+    return re.sub("[^A-Za-z0-9]+", "_", text).strip("_")
 
 
 def number_of(cell):

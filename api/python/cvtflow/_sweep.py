@@ -15,16 +15,12 @@ from types import SimpleNamespace
 from typing import Any
 
 from ._errors import RecordError, SceneError, StateError
-from ._scene import Scene, flat, is_path, opened, resolve, toml
-from ._sweep_file import SweepFile
+from ._scene import Scene, flat, is_path, opened, resolve
+from ._sweep_file import SweepFile, file_text
 from ._tables import Results
 
 
 _WITH_ROWS = (5, 6, 7, 8)  # exit statuses of a sweep whose table says what failed
-
-
-def _list(values):
-    return "[" + ", ".join(toml(value) for value in values) + "]"
 
 
 class Sweep:
@@ -82,30 +78,21 @@ class Sweep:
         return self._text("sweep.scene.toml" if isinstance(self.scene, Scene) else self._place())
 
     def _text(self, scene):
-        lines = ["[sweep]", f"scene = {toml(scene)}"]
-        lines += [f"name = {toml(self.name)}"] if self.name else []
-        lines += [f"detail = {toml(self.detail)}"] if self.detail else []
-        if self.settings:
-            lines += ["[set]"] + [f"{key} = {toml(value)}" for key, value in flat(self._scene(), self.settings)]
-        for keys, values in self.axes:
-            lines += ["[[axes]]"] + self._axis(keys, values)
-        lines += ["[outputs]", f"scalars = {_list(self.scalars)}"]
-        lines += [f"from = {toml(self.from_)}"] if self.from_ else []
-        sections = {"start": ("mode", self.start), "budget": ("wall", self.budget), "accuracy": ("target", self.accuracy)}
-        for section, (first, given) in sections.items():
+        outputs = {"scalars": self.scalars} | ({"from": self.from_} if self.from_ else {})
+        sections = {"set": dict(flat(self._scene(), self.settings))} if self.settings else {}
+        sections |= {"axes": [self._axis(*axis) for axis in self.axes], "outputs": outputs}
+        for section, first, given in (("start", "mode", self.start), ("budget", "wall", self.budget), ("accuracy", "target", self.accuracy)):
             if given is not None:
-                lines += [f"[{section}]", *_rows(given if isinstance(given, Mapping) else {first: given})]
-        return "\n".join(lines) + "\n"
+                sections[section] = given if isinstance(given, Mapping) else {first: given}
+        return file_text(sections, scene=scene, name=self.name, detail=self.detail)
 
     def _axis(self, keys, values):
+        """An axis as a sweep file has it."""
         if keys in ("csv", "sample"):
-            return _rows(self._points(values))
+            return self._points(values)
         if isinstance(keys, str):
-            values = _rows(values) if isinstance(values, Mapping) else [f"values = {_list(values)}"]
-            return [f"key = {toml(resolve(self._scene(), keys))}", *values]
-        columns = zip(*values)
-        rows = [f"{{key = {toml(resolve(self._scene(), key))}, values = {_list(column)}}}" for key, column in zip(keys, columns)]
-        return ["zip = [" + ", ".join(rows) + "]"]
+            return {"key": resolve(self._scene(), keys), **(values if isinstance(values, Mapping) else {"values": values})}
+        return {"zip": [{"key": resolve(self._scene(), key), "values": column} for key, column in zip(keys, zip(*values))]}
 
     def _points(self, axis):
         """A csv or a sample as a sweep file has it, from short names of keys and a path relative to the working directory."""
@@ -264,10 +251,6 @@ def _write(files, force=False):
 
 def _has(file, text):
     return file.is_file() and file.read_bytes() == text.encode()
-
-
-def _rows(values):
-    return [f"{name} = {toml(value)}" for name, value in values.items()]
 
 
 def _axes(given):

@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ._errors import CancelledError
 from ._library import ON_PROGRESS, SweepProgress, c, check, encoded, interruptible, message, plain
+from ._scene import toml
+
+
+def file_text(sections: Mapping[str, Any], **head: Any) -> str:
+    """The text of a sweep file. sections: all but [sweep], a list of axes among them; head: keys of [sweep], None: without that one"""
+    lines = []
+    for name, given in {"sweep": {key: value for key, value in head.items() if value}, **sections}.items():
+        for values in given if isinstance(given, list) else [given]:
+            lines += [f"[[{name}]]" if isinstance(given, list) else f"[{name}]", *(f"{key} = {toml(value)}" for key, value in values.items())]
+    return "\n".join(lines) + "\n"
 
 
 class SweepFile:

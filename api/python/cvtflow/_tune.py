@@ -22,9 +22,9 @@ from . import _rows
 from ._errors import Error, SceneError, StartStateError, StateError
 from ._known import suggestion
 from ._library import described, in_si
-from ._scene import Scene, all_keys, toml
+from ._scene import Scene, all_keys
 from ._simulation import Simulation, Threads
-from ._sweep_file import SweepFile
+from ._sweep_file import SweepFile, file_text
 
 MARGIN = 2.0  # errors at an untried point may be larger by this factor
 LONE_MARGIN = 4.0  # likewise where one point is tried: it may happen to be one of small errors (measured within 5 % of it: 0.9 to 3.4 times)
@@ -38,6 +38,7 @@ FIGURES = {  # name: scalar, and what an error is divided by; None: its expected
     "tight_tension": ("tight_tension mean", None), "slack_tension": ("slack_tension mean", None),
     "tips": ("pins/end_force mean", None), "ratio": ("ratio mean", None), "thrust_ratio": ("thrust_ratio mean", None)}
 USUAL = ("slip", "efficiency", "tight_tension", "tips")
+_AUTO = {"run.method": "auto", "run.step": "auto", "run.step_control": "fixed"}
 
 
 class AccuracyError(StateError):
@@ -53,25 +54,26 @@ class _BudgetUsedUp(Exception):
 
 
 class Choice(NamedTuple):
-    """A level of detail with settings "key=value" after it (empty: the scene's), a method, and its step: a share of the automatic one, or [s]."""
+    """A level of detail with settings "key=value" after it (empty: the scene's), a method, its step (0: automatic) [s], and what share of the
+    automatic one that is (1: all of it, or a given step)."""
 
     detail: str
     method: str
-    share: float = 1.0
     step: float = 0.0
+    share: float = 1.0
 
     def text(self) -> str:
         """"fine, leapfrog-sweep, 1/2 of the automatic step\""""
-        steps = "automatic step" if self.share == 1.0 else f"1/{1.0 / self.share:g} of the automatic step"
-        return f"{self.detail or 'own detail'}, {self.method}, {f'step {self.step:g} s' if self.step else steps}"
+        step = f"step {self.step:g} s" if self.step else "automatic step"
+        return f"{self.detail or 'own detail'}, {self.method}, {f'1/{1.0 / self.share:g} of the automatic step' if self.share < 1.0 else step}"
 
-
-def chosen(scene: Scene, choice: Choice, step: float, state: str | None = None) -> Scene:
-    """The scene with a choice. step: fixed, 0: automatic [s]; state: of its start, None: as the scene has it"""
-    level, *changes = choice.detail.split() or [""]
-    scene = scene.with_({"run.method": "auto", "run.step": "auto", "run.step_control": "fixed"})
-    scene = scene.with_detail(level) if level else scene
-    return scene.with_(*changes, {"run.method": choice.method, "run.step": step or "auto"} | ({} if state is None else {"start.state": state}))
+    def scene(self, scene: Scene, state: str | None = None) -> Scene:
+        """A scene with this choice. state: of its start, None: as the scene has it"""
+        level, *changes = self.detail.split() or [""]
+        scene = scene.with_(_AUTO)
+        scene = scene.with_detail(level) if level else scene
+        start = {} if state is None else {"start.state": state}
+        return scene.with_(*changes, {"run.method": self.method, "run.step": self.step or "auto"} | start)
 
 
 class Points:
@@ -79,13 +81,13 @@ class Points:
 
     scene    base of the cases
     sweep    contents of the sweep's file, but for the scene
-    outputs  (name, number among the sweep's scalars, what errors are divided by) of each
+    outputs  (name, scalar of the sweep, what errors are divided by) of each
     budget   wall time of all measurements, 0: no limit [s]
     say      called with what is measured
     only     cases that are points, as sweep.only of a sweep file
     """
 
-    def __init__(self, scene: Scene, sweep: dict[str, Any], outputs: list[tuple[str, int, Any]], budget: float = 0.0,
+    def __init__(self, scene: Scene, sweep: dict[str, Any], outputs: list[tuple[str, str, Any]], budget: float = 0.0,
                  say: Callable[[str], Any] = lambda text: None, threads: int = 0, only: Any = None) -> None:
         self.scene = scene.with_({"run.schedule": "serial", "run.threads": 1, "run.max_steps": 0, "run.max_wall": 0})
         self.outputs, self.names, self._sweep, self._say, self._threads = outputs, [], sweep, say, threads
@@ -122,7 +124,7 @@ class Points:
     def state(self, choice: Choice) -> str:
         """File of the state with which a choice begins: the scene's, or one settled at its level; empty: cases settle by themselves."""
         if choice.detail not in self._states:
-            scene = chosen(self.scene, choice, 0.0)
+            scene = choice._replace(step=0.0).scene(self.scene)
             try:
                 Simulation(scene, Threads.caller())
                 found = scene["start.state"]
@@ -134,11 +136,16 @@ class Points:
             self._states[choice.detail] = "" if self._settles else found
         return self._states[choice.detail]
 
+    def scene_of(self, choice: Choice, scene: Scene, keep: Callable[[bytes], str]) -> Scene:
+        """A scene with a choice. keep: writes a state of its own, with which that begins, and returns its path"""
+        state = self.state(choice)
+        return choice.scene(scene, keep(Path(state).read_bytes()) if state and state != scene["start.state"] else state)
+
     def probe(self, choice: Choice) -> tuple[str, float, float, float]:
         """(method, automatic step [s], evaluations times unknowns per simulated second, processor time per simulated second) of some steps."""
         key = choice.detail, choice.method, choice.step
         if key not in self._probed:
-            simulation = Simulation(chosen(self.scene, choice, choice.step, self.state(choice)), Threads.caller())
+            simulation = Simulation(choice.scene(self.scene, self.state(choice)), Threads.caller())
             for step in range(400):
                 if step == 100:  # in the beginning many tips first touch
                     before, begin, start = simulation.counters().evaluations, time.process_time(), simulation.time
@@ -148,18 +155,17 @@ class Points:
                                  (time.process_time() - begin) / passed)
         return self._probed[key]
 
-    def run(self, choice: Choice, step: float) -> list[tuple[list[float], str, str]]:
+    def run(self, choice: Choice) -> list[tuple[list[float], str, str]]:
         """(outputs, objection, notes) of every point; an objection states why the outputs are invalid."""
-        rows = _rows.read(self._swept(chosen(self.scene, choice, step, self.state(choice)), self._sweep, **self._head))
+        rows = _rows.read(self._swept(choice.scene(self.scene, self.state(choice)), self._sweep, **self._head))
         cells = rows.cells
         keys = [column for column in rows.columns if column.key]
         self.names = self.names or [", ".join(_named(key.key, cells[key.name][row]) for key in keys) for row in range(rows.size)]
-        scalars = scalars_in(rows, len(self._sweep["outputs"]["scalars"]))
         made = []
         for row in range(rows.size):
             status, error = cells["status"][row], cells["error"][row]
             objection = "" if status == "ok" else error or f"{status}: its energy balance does not close" * (status == "unreliable") or status
-            made.append(([cells[scalars[number]][row] for _, number, _ in self.outputs], objection, cells["notes"][row]))
+            made.append(([cells[_rows.column_name(scalar)][row] for _, scalar, _ in self.outputs], objection, cells["notes"][row]))
         return made
 
     def errors(self, row: Any, expected: Any) -> list[float]:
@@ -177,7 +183,7 @@ class Points:
         for share in _REFERENCE_SHARES:
             self.begin(f"reference, 1/{1.0 / share:g} of its automatic step")
             method, step, *_ = self.probe(finest)
-            rows = self.run(finest, share * step)
+            rows = self.run(finest._replace(step=share * step))
             for point, (row, other) in enumerate(zip(rows, before)):
                 if found.get(point, (None,))[0]:
                     continue
@@ -197,17 +203,6 @@ class Points:
 def _named(key, value):
     """A key with its value: load.torque = 230 N*m"""
     return f"{key} = {value:.4g} {all_keys()[key].unit}".removesuffix(" 1") if isinstance(value, (int, float)) else f"{key} = {value}"
-
-
-def scalars_in(rows: Any, count: int) -> list[str]:
-    """Names of the columns of a sweep's scalars."""
-    names = [column.name for column in rows.columns if not column.name.startswith("error_of_")]
-    return names[names.index("efficiency") - count:names.index("efficiency")]
-
-
-def file_text(sections: dict[str, Any], **head: Any) -> str:
-    """The text of a sweep file. sections: all but [sweep]; head: keys of that one"""
-    return "".join(f"{section} = {toml(values)}\n" for section, values in ({"sweep": head} | sections).items())
 
 
 def outputs_of(names: Sequence[str], pulleys: bool) -> list[tuple[str, str, Any]]:
@@ -265,12 +260,11 @@ def points_of(scene: Scene, settings: Settings, unseen: int = 0, say: Callable[[
         rows = [start] + [[*start[:k], end, *start[k + 1:]] for k, _, end in ends]
         names = ["start"] + [_named(key, end) for _, key, end in ends]
     outputs = outputs_of(settings.outputs, scene["detail.pulleys"] != "absent")
-    scalars = list(dict.fromkeys(scalar for _, scalar, _ in outputs))
     columns = {"run.until": [settings.settling + settings.average] * len(rows)}
     columns |= {key: list(values) for (key, *_), values in zip(inputs, zip(*rows))}
     sweep = {"axes": [{"zip": [{"key": key, "values": values} for key, values in columns.items()]}],
-             "outputs": {"scalars": scalars, "from": f"{settings.settling} s"}}
-    points = Points(scene, sweep, [(name, scalars.index(scalar), scale) for name, scalar, scale in outputs], settings.budget, say)
+             "outputs": {"scalars": list({scalar: None for _, scalar, _ in outputs}), "from": f"{settings.settling} s"}}
+    points = Points(scene, sweep, outputs, settings.budget, say)
     points.names = names
     return points
 
@@ -293,7 +287,7 @@ class Settings(NamedTuple):
 def _bases(points, settings, left_out):
     """A choice with what probe() measured of every level with every method that it takes."""
     known = [row["name"] for row in described("levels")["rows"]]
-    scene = points.scene.with_({"run.method": "auto", "run.step": "auto", "run.step_control": "fixed"})
+    scene = points.scene.with_(_AUTO)
     own = [] if any(scene == scene.with_detail(level) for level in known) else [""]  # the scene's detail has no name
     bases = {}
     for level in settings.levels or known + own:
@@ -301,7 +295,7 @@ def _bases(points, settings, left_out):
             method, _, step = given.partition("@")
             points.begin("costs of levels of detail")
             try:
-                probed = points.probe(base := Choice(level, method, 1.0, in_si(step, "methods", "s") if step else 0.0))
+                probed = points.probe(base := Choice(level, method, in_si(step, "methods", "s") if step else 0.0))
                 bases.setdefault(base._replace(method=probed[0]), probed)
             except Error as error:
                 left_out.append(f"{given} at {level or 'the detail of the scene'}: {error}")
@@ -319,8 +313,7 @@ def search(points: Points, settings: Settings) -> dict[str, Any]:
     try:
         for choice, (_, step, work, seconds) in _bases(points, settings, found["left_out"]).items():
             for share in (1.0,) if choice.step else _SHARES:
-                found["choices"].append({
-                    "detail": choice.detail, "method": choice.method, "share": share, "step": choice.step or (share < 1.0) * share * step,
+                found["choices"].append(Choice(*choice[:2], choice.step or (share < 1.0) * share * step, share)._asdict() | {
                     "seconds_per_second": seconds / share, "work_per_second": work / share, "tried": False, "errors": [], "worst": "",
                     "front": False, "standing": "budget used up"})
         found["choices"].sort(key=lambda row: row["work_per_second"])  # not by time: every run and machine chooses the same
@@ -348,7 +341,7 @@ def search(points: Points, settings: Settings) -> dict[str, Any]:
 
 def choice_of(row: dict[str, Any]) -> Choice:
     """The Choice of a row of search()."""
-    return Choice(row["detail"], row["method"], row["share"], row["step"] if row["share"] == 1.0 else 0.0)
+    return Choice(*map(row.get, Choice._fields))
 
 
 def _beats(a, b):
@@ -370,7 +363,7 @@ def _judge(points, settings, found, references, row):
     choice = choice_of(row)
     points.begin(choice.text())
     try:
-        rows = points.run(choice, row["step"])
+        rows = points.run(choice)
     except Error as error:
         rows = [([], str(error), "")] * len(references)
     judged = [(points.errors(is_, reference[0]), name, is_[1]) for is_, reference, name in zip(rows, references, points.names) if reference[0]]

@@ -64,14 +64,14 @@ def settled_on(points: _tune.Points, settings: Settings, scene: Scene, state_fil
     written, the scene settles by itself. Raises AccuracyError."""
     row = _tune.taken(found := _tune.search(points, settings))
     choice = _tune.choice_of(row)
-    state = points.state(choice)
-    if state and state != scene["start.state"]:
-        try:
-            replace(state_file, Path(state).read_bytes())
-            state = os.path.abspath(state_file)
-        except OSError:
-            state = ""
-    return Tuning(_tune.chosen(scene, choice, row["step"], state), choice.text(), max(row["errors"]), False), found["wall"]
+
+    def keep(data):
+        with contextlib.suppress(OSError):
+            replace(state_file, data)
+            return os.path.abspath(state_file)
+        return ""
+
+    return Tuning(points.scene_of(choice, scene, keep), choice.text(), max(row["errors"]), False), found["wall"]
 
 
 def read_kept(path: str) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from . import _rows, _tune, _tuning
 from ._errors import StateError
 from ._library import in_si
 from ._scene import Scene, flat, is_path
+from ._sweep_file import file_text
 
 
 def _absolute(value, folder):
@@ -41,7 +42,7 @@ def read(path):
 def _points(scene, sweep, only, say, threads):
     """Points of some cases of a sweep."""
     outputs = sweep["outputs"] | {"records": False}
-    scalars = [(text, number, None) for number, text in enumerate(outputs["scalars"])]
+    scalars = [(text, text, None) for text in outputs["scalars"]]
     own = {section: values for section, values in sweep.items() if section not in ("accuracy", "budget")}
     return _tune.Points(scene, own | {"outputs": outputs}, scalars, say=say, threads=threads, only=only)
 
@@ -61,7 +62,7 @@ def tune(path, folder, threads=0, say=lambda text: None):
             found, wall = _tuning.settled_on(points, settings, scene, os.path.join(folder, "tuned.state"))
         known = {"key": key, "name": name, "scene": scene.text, "sweep": sweep, "target": settings.accuracy, "choice": found.choice,
                  "at_corners": found.error, "scalars": sweep["outputs"]["scalars"], "errors": {}}
-        text = _tune.file_text({section: values for section, values in sweep.items() if section != "accuracy"}, scene="tuned.scene.toml", name=name)
+        text = file_text({section: values for section, values in sweep.items() if section != "accuracy"}, scene="tuned.scene.toml", name=name)
         for file, data in (("tuned.scene.toml", found.scene.text), ("tuned.toml", text), ("accuracy.json", json.dumps(known))):
             _tuning.replace(os.path.join(folder, file), data.encode())
         origin = f"found in {wall:.0f} s"
@@ -78,12 +79,12 @@ def verify(folder, threads=0, say=lambda text: None):
     cases = sorted(random.Random(accuracy["seed"]).sample(range(rows.size), min(rows.size, accuracy["verify"])))
     cases = [case for case in cases if rows.cells["status"][case] == "ok" and str(case) not in known["errors"]]
     if cases:
-        names = _tune.scalars_in(rows, len(known["scalars"]))
+        cells = [rows.cells[_rows.column_name(scalar)] for scalar in known["scalars"]]
         with _points(scene, sweep, cases, say, threads) as points:
             references = points.references(_tune.CONVERGED * known["target"])
         for case, (reference, text) in zip(cases, references):
             if reference:
-                known["errors"][str(case)] = points.errors(([rows.cells[name][case] for name in names], ""), reference)
+                known["errors"][str(case)] = points.errors(([values[case] for values in cells], ""), reference)
             else:
                 say(f"not verified: case {case}: {text}")
         _tuning.replace(place, json.dumps(known).encode())

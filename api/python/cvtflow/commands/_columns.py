@@ -2,14 +2,14 @@
 
 import difflib
 import math
-import re
 
+from .._rows import column_name
 from ._front import UsageError
 
 
 def column_of(rows, word, option=""):
     """The Column that a word means: a name, a key with dots, or a scalar ("slip mean"). Raises UsageError."""
-    plain = re.sub(r"[^A-Za-z0-9]+", "_", word).strip("_")
+    plain = column_name(word)
     for column in rows.columns:
         if column.name == plain:
             return column

@@ -3,7 +3,6 @@
 import json
 import math
 import os
-from pathlib import Path
 
 from .._output import Output, beside, inputs_of
 from ._columns import table
@@ -114,7 +113,7 @@ def _unseen(points, settings, found):
 
     row, text = found["choices"][found["chosen"]], ""
     references = points.references(_tune.CONVERGED * settings.accuracy)
-    for name, reference, is_ in zip(points.names, references, points.run(_tune.choice_of(row), row["step"])):
+    for name, reference, is_ in zip(points.names, references, points.run(_tune.choice_of(row))):
         errors = points.errors(is_, reference[0]) if reference[0] else []
         found["unseen"].append({"point": name, "errors": errors, "remark": is_[1] if errors else reference[1]})
         worst = f"largest error {100 * max(errors):.2g} %" if errors else "no reference"
@@ -167,11 +166,14 @@ def _write(files, points, found, scene, row, text):
     Returns a line with their names."""
     from .. import _tune
 
-    (scene_file, state_file), choice, build = files, _tune.choice_of(row), found["provenance"]
-    state = points.state(choice)
-    if own := bool(state) and state != scene["start.state"]:
-        state_file.write(Path(state).read_bytes())
-        state = os.path.abspath(state_file.path)
+    (scene_file, state_file), build, written = files, found["provenance"], [files[0].path]
+
+    def keep(state):
+        state_file.write(state)
+        written.append(state_file.path)
+        return os.path.abspath(state_file.path)
+
     lines = [*text.splitlines(), f"Made by cvtflow {build['version']} ({build['commit']})."]
-    scene_file.write(("".join(f"# {line}\n" for line in lines) + "\n" + _tune.chosen(scene, choice, row["step"], state).text).encode())
-    return _field("written", visible(", ".join([scene_file.path] + [state_file.path] * own)))
+    made = points.scene_of(_tune.choice_of(row), scene, keep).text
+    scene_file.write(("".join(f"# {line}\n" for line in lines) + "\n" + made).encode())
+    return _field("written", visible(", ".join(written)))
