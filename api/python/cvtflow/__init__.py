@@ -17,35 +17,19 @@ import typing
 
 if typing.TYPE_CHECKING:
     from ._errors import *  # noqa: F401,F403
-    from ._fit import Fit as Fit
-    from ._fit import fit as fit
-    from ._library import Column as Column
-    from ._library import Counters as Counters
-    from ._library import Energy as Energy
-    from ._library import SweepProgress as SweepProgress
-    from ._library import Transition as Transition
-    from ._library import display_unit as display_unit
-    from ._library import library_version as library_version
-    from ._library import quantity as quantity
+    from ._fit import Fit as Fit, fit as fit
+    from ._library import Column as Column, Counters as Counters, Energy as Energy, SweepProgress as SweepProgress
+    from ._library import Transition as Transition, display_unit as display_unit, library_version as library_version, quantity as quantity
     from ._library import shutdown as shutdown
-    from ._results import Rows as Rows
-    from ._results import run as run
-    from ._scene import KeyInfo as KeyInfo
-    from ._scene import Scene as Scene
-    from ._scene import ready_scenes as ready_scenes
-    from ._scene import scene_keys as scene_keys
+    from ._results import Rows as Rows, run as run
+    from ._scene import KeyInfo as KeyInfo, Scene as Scene, ready_scenes as ready_scenes, scene_keys as scene_keys
     from ._scene_fmu import export_fmu as export_fmu
     from ._series import Record as Record
-    from ._simulation import Input as Input
-    from ._simulation import Recording as Recording
-    from ._simulation import Simulation as Simulation
-    from ._simulation import State as State
-    from ._simulation import Threads as Threads
+    from ._simulation import Input as Input, Recording as Recording, Simulation as Simulation, State as State, Threads as Threads
     from ._sweep import Sweep as Sweep
     from ._sweep_file import SweepFile as SweepFile
     from ._tables import Results as Results
-    from ._tuning import Tuning as Tuning
-    from ._tuning import tune as tune
+    from ._tuning import Tuning as Tuning, tune as tune
     from .pages import report as report
 
 # Names by module, which is imported when one of them is used: a command that needs little starts in little time.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import weakref
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -97,10 +96,7 @@ class Channels(Mapping[str, Any]):
         return "\n".join(lines)
 
 
-_of_simulations = weakref.WeakKeyDictionary()  # a simulation's channels never change
-
-
-def of_simulation(simulation):
+def of_simulation(simulation, columns):
     """The channels of a simulation: numbers, and arrays of their own."""
 
     def read(name):
@@ -108,11 +104,9 @@ def of_simulation(simulation):
         try:
             values = simulation.channel(channel)
         except ValueError:
-            raise unknown(name, [column.name for column in simulation._channel_infos()]) from None
+            raise unknown(name, columns.below("")[0]) from None
         if element is not None and element >= len(values):
             raise KeyError(f"{name}: {channel} has {len(values)} elements")
         return float(values[element or 0]) if element is not None or len(values) == 1 else values.copy()
 
-    if simulation not in _of_simulations:
-        _of_simulations[simulation] = Columns(simulation._channel_infos())
-    return Channels(read, _of_simulations[simulation])
+    return Channels(read, columns)

@@ -13,7 +13,7 @@ from ctypes import byref, c_double, c_size_t, c_void_p
 from html import escape
 from typing import Any
 
-from ._channels import Channels, of_simulation
+from ._channels import Channels, Columns, of_simulation
 from ._errors import ArgumentError, BusyError, SceneError, StartStateError, StateError
 from ._known import suggestion
 from ._library import (ON_LINE, Column, Counters, Energy, Info, Options, Owned, Transition, _local, _WrongType, c, check, described, encoded,
@@ -125,7 +125,7 @@ class Simulation:
 
     def _begin(self, scene, threads, segments, handle):
         self._scene, self._threads, self._segments, self._owner, self._handle = scene, threads, segments, Owned(handle, c.destroy), handle
-        self._lock, self._views, self._infos, self._room = threading.Lock(), {}, None, 1 << 16
+        self._lock, self._views, self._columns, self._room = threading.Lock(), {}, None, 1 << 16
         self._interval = self._slice = scene["run.output_interval"]  # [s]; simulated in BETWEEN_CHECKS, at least an interval [s]
         self._on_output, self._every, self._outputs, self._on_transition = None, 1.0, 0.0, None
         self._value, self._address = c_double(), c_void_p()
@@ -342,17 +342,13 @@ class Simulation:
     def channels(self) -> Channels:
         """Present values of the channels, by name: channels["slip"] is a number, channels["links/tension"] an array, channels.info their
         units."""
-        return of_simulation(self)
-
-    def _channel_infos(self):
-        """Column of every channel."""
-        if self._infos is None:
+        if self._columns is None:  # they never change
             info, found = Info(), []
             for number in range(c.channel_count(self._handle)):
                 check(c.channel_describe(self._handle, number, byref(info), message()))
                 found.append(Column(info.name.decode(), info.unit.decode(), info.description.decode(), info.width))
-            self._infos = found
-        return self._infos
+            self._columns = Columns(found)
+        return of_simulation(self, self._columns)
 
     def channel(self, name: str) -> Any:
         """Values of a channel now [width]: a view without a copy, which changes with the next read of this channel after a step."""

@@ -50,7 +50,7 @@ class Results(dict[str, Any]):
         """The name of a column: slip_mean also as "slip mean", load_torque as "load.torque", or as "torque" where no other key ends so."""
         if not isinstance(name, str):
             raise TypeError(f"a column is named by a text, not by {type(name).__name__} {name!r}")
-        plain = re.sub(r"\W+", "_", name).strip("_")
+        plain = _rows.column_name(name)
         if plain in self:
             return plain
         if len(meant := [key for key in self if is_key(key) and key.endswith("_" + plain)]) == 1:
@@ -133,23 +133,15 @@ class Results(dict[str, Any]):
     def to_xarray(self) -> Any:
         """An xarray.Dataset with a dimension for each of axes() and a variable for each other column; points without a case are NaN, or
         empty texts. Units are attributes. Raises ImportError where xarray is not installed, ValueError for several cases at one point."""
-        import xarray
-
         axes = self.axes()
-        points = [np.unique(self[name], return_inverse=True) for name in axes]
-        place, shape = tuple(inverse for _, inverse in points), tuple(len(values) for values, _ in points)
-        if len(set(zip(*place))) < len(self["case"]):
+        frame = self.frame().reset_index().set_index(axes) if axes else None
+        if frame is None or not frame.index.is_unique:
             raise ValueError(f"several cases at one point of {', '.join(axes)}: choose with where()")
-        made = {}
-        for name, column in self.items():
-            if name not in axes:
-                text = isinstance(column[0], str)
-                grid = np.full(shape, "" if text else np.nan, dtype=object if text else float)
-                grid[place] = column
-                grid = grid if text or np.isnan(grid).any() else grid.astype(np.asarray(column).dtype)  # counts
-                made[name] = (axes, grid, {"units": self.info[name].unit, "long_name": self.info[name].description})
-        coords = {name: (name, values, {"units": self.info[name].unit}) for name, (values, _) in zip(axes, points)}
-        return xarray.Dataset(made, coords=coords)
+        made = frame.sort_index().to_xarray()
+        made = made.assign({name: each.fillna("") for name, each in made.items() if isinstance(self[name][0], str)})
+        for name in made.variables:
+            made[name].attrs.update(units=self.info[name].unit, long_name=self.info[name].description)
+        return made
 
     def _repr_html_(self) -> str:
         """What varies, with its range, and a column of results over the cases."""
