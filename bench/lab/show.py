@@ -20,6 +20,7 @@ sys.modules["cvtflow"] = importlib.util.module_from_spec(_spec)  # the package o
 
 from cvtflow import _output  # noqa: E402
 from cvtflow.commands import _columns, _front  # noqa: E402
+from cvtflow.commands._columns import time_text  # noqa: E402
 from cvtflow.commands._front import visible  # noqa: E402
 
 
@@ -28,14 +29,6 @@ from cvtflow.commands._front import visible  # noqa: E402
 def number(value):
     """A number of the results; null: not a number."""
     return math.nan if value is None else float(value)
-
-
-def time_text(seconds):
-    """"2.25 ms", "-10 us", "0 s": four digits."""
-    for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")):
-        if abs(seconds) >= 0.99995 * size:
-            return f"{seconds / size:.4g} {unit}"
-    return f"{seconds:.4g} s"
 
 
 def count_text(count):

@@ -5,16 +5,9 @@ import numpy as np
 from . import _known
 from ._channels import split
 from ._numbers import mean, period_means
+from .commands._columns import time_text
 
 _LONG_RUN = 60.0  # pin periods beyond which vibrations would be a solid band
-
-
-def time_text(value):
-    """"12.5 ms": a time [s] in the unit in which its number is short."""
-    for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")):
-        if abs(value) >= 0.99995 * size:
-            return f"{value / size:.4g} {unit}"
-    return f"{value:.4g} s"
 
 
 def name_of(record):

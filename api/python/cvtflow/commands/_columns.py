@@ -35,6 +35,14 @@ def short(value, factor=1.0, digits=6):
     return "-" if math.isnan(value) else f"{factor * value:.{digits}g}"
 
 
+def time_text(value):
+    """"12.5 ms": a time [s] in the unit in which its number is short."""
+    for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")):
+        if abs(value) >= 0.99995 * size:
+            return f"{value / size:.4g} {unit}"
+    return f"{value:.4g} s"
+
+
 def table(headings, lines, left, indent=0):
     """Lines of cells under headings, as wide as their longest cell. left: whether a column is aligned so."""
     widths = [max(map(len, column)) for column in zip(headings, *lines)]
