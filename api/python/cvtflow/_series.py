@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import os
 import re
@@ -15,7 +16,7 @@ from ._channels import Channels, Columns, split, unknown
 from ._errors import ArgumentError, RecordError
 from ._library import Column, c, check, message
 from ._notebook import shown, with_unit
-from ._numbers import Array, cycles, mean
+from ._numbers import Array, cycles, integral, mean
 
 
 def seconds(value: float | str) -> float:
@@ -75,13 +76,9 @@ class Series:
             if (quotient := self._quotient(name, begin, time[-1])) is not None:
                 made[name] = quotient
                 continue
-            values = self[name]
-            finite = rows & np.isfinite(values)
-            weight = np.ones(np.count_nonzero(finite))
-            if len(weight) > 1:
-                weight = np.gradient(time[finite])
-                weight[[0, -1]] *= 0.5
-            made[name] = float(weight @ values[finite] / weight.sum()) if weight.size else math.nan
+            finite = rows & np.isfinite(values := self[name])
+            count = np.count_nonzero(finite)
+            made[name] = float(integral(time[finite], values[finite]) / np.ptp(time[finite])) if count > 1 else mean(values[finite])
         return made
 
     def _repr_html_(self) -> str:
@@ -223,43 +220,35 @@ class Record(Series, Mapping[str, Array]):
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.place, self.path = path, os.fsencode(path).decode("utf-8", "replace")  # of what pages and messages show
-        self._file, self.info, time = _opened(os.fspath(path))
-        self._kept = {"time": time}
+        self._file, self.info, self._time = _opened(os.fspath(path))
 
-    @property
+    @functools.cached_property
     def scene(self) -> Any:
         """What the run simulated, a mapping from keys to values in SI; None where this version of cvtflow cannot read it."""
-        return self._once("scene", lambda: _known.scene_of(self))
+        return _known.scene_of(self)
 
-    @property
+    @functools.cached_property
     def pin_frequency(self) -> float | None:
         """Pins that pass a place, by the mean speed of the chain and its mean pitch [Hz]; None where the record does not contain them."""
-        return self._once("pin_frequency", self._pin_frequency)
-
-    def _once(self, name, found):
-        if name not in self._kept:
-            self._kept[name] = found()
-        return self._kept[name]
-
-    def _pin_frequency(self):
         speed = mean(self["chain_speed"]) if self.scene is not None and "chain_speed" in self.info else 0.0
         return speed / np.resize(np.atleast_1d(self.scene["chain.pitch"]), self.scene["chain.pins"]).mean() if speed > 0.0 else None
 
     def _pin_period(self):
         return 1.0 / self.pin_frequency if self.pin_frequency else None
 
+    @functools.cached_property
     def _spans(self):
         """Means of the run's summary by name, with their begin and end [s]: of the run, and of its last fifth."""
-        return self._once("spans", lambda: [{name: float(value) for name, value in re.findall(r"(\S+) (-?[\d.]+(?:e[-+]\d+)?|nan)", line)}
-                                            for line in str(self.attributes.get("means", "")).splitlines() if line.startswith("begin ")])
+        return [{name: float(value) for name, value in re.findall(r"(\S+) (-?[\d.]+(?:e[-+]\d+)?|nan)", line)}
+                for line in str(self.attributes.get("means", "")).splitlines() if line.startswith("begin ")]
 
     def _begin(self):
-        return self._spans()[0]["begin"] if self._spans() else super()._begin()
+        return self._spans[0]["begin"] if self._spans else super()._begin()
 
     def _quotient(self, name, begin, end):
         period = self._pin_period() or math.inf
         near = min(max(1.01 * period, 1e-3 * (end - begin)), 0.5 * (end - begin))  # both count whole periods, by other lengths of them
-        span = min(self._spans(), key=lambda each: abs(begin - each["begin"]), default={})
+        span = min(self._spans, key=lambda each: abs(begin - each["begin"]), default={})
         if name in span and end - begin > 0.99 * period and max(abs(begin - span["begin"]), abs(end - span["end"])) <= near:
             return span[name]
         return super()._quotient(name, begin, end)
@@ -267,7 +256,7 @@ class Record(Series, Mapping[str, Array]):
     status = property(lambda self: self.attributes.get("status", ""), doc="finished, running, unreliable, cycle_missed: …, or the cause of an early end.")
     attributes = property(lambda self: {name: _text(value) for name, value in self._file.attrs.items()}, doc="Of the whole file, by name.")
     channels = property(lambda self: Channels(self.__getitem__, Columns(self.info.values())), doc="Arrays by name; channels.info: their units.")
-    rows = property(lambda self: len(self._kept["time"]), doc="Number of rows when the file was opened.")
+    rows = property(lambda self: len(self._time), doc="Number of rows when the file was opened.")
     states = property(lambda self: States(self._file.get("states", {})), doc="The recorded states: time, unknowns, phases.")
 
     @property
@@ -342,7 +331,7 @@ class Record(Series, Mapping[str, Array]):
 
     def __getitem__(self, name: str) -> Array:
         if name == "time":
-            return self._kept["time"].copy()
+            return self._time.copy()
         if split(name)[0] not in self.info:
             raise unknown(name, ["time", *self.info])
         return self.read(name)
