@@ -56,8 +56,7 @@ def table(headings, rows, indent=2):
 def cell_text(value, spec=".9g", quoted=False):
     """A cell of CSV: "" for what is unknown or not finite; texts in quotes where they must be, none that spreadsheets take for a formula."""
     if isinstance(value, str) and value != "inf":
-        text = visible(("'" if value.startswith(("=", "+", "-", "@", "\t")) else "") + value)
-        return '"' + text.replace('"', '""') + '"' if quoted or set(text) & set(',;"\n') else text
+        return _columns.csv_cell(visible(value), True, quoted)
     if isinstance(value, int):
         return str(int(value))
     return format(number(value), spec) if math.isfinite(number(value)) else ""

@@ -19,6 +19,11 @@ def shown(name, unit, si=False):
     return words.replace("_", " ") + ("" if unit in ("", "1") else f" [{unit.replace('*', '·')}]"), factor
 
 
+def unit_of(label):
+    """"kN" of "tight tension [kN]"; empty without a unit."""
+    return label.rpartition(" [")[2].rstrip("]") if label.endswith("]") and " [" in label else ""
+
+
 def split(name):
     """"links/tension[3]" as its channel and element; the element is None without one."""
     if not isinstance(name, str):

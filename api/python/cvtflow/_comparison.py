@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from . import _known, plots
-from ._channels import shown
+from ._channels import shown, unit_of
 from ._courses import differing_scenes, time_text
 from ._figures import Line, Panel, draw
 from ._numbers import mean, period_means, thinned
@@ -66,7 +66,7 @@ def _side_by_side(records, names, span, si, caption):
     for name in names:
         label, factor = shown(name, records[0].info[name].unit, si)
         means = [span.mean(record, name) for record in records]
-        cells = [name, label.rpartition(" [")[2].rstrip("]") if label.endswith("]") else "", *(number(factor * each) for each in means)]
+        cells = [name, unit_of(label), *(number(factor * each) for each in means)]
         for record, value in zip(records[1:], means[1:]):
             gaps = span.difference(records[0], record, name)[1]
             gaps = gaps[np.isfinite(gaps)]
@@ -85,7 +85,7 @@ def _ranges(records, names, si):
     rows = []
     for name in names:
         label, factor = shown(name, records[0].info[name].unit, si)
-        cells = [name, label.rpartition(" [")[2].rstrip("]") if label.endswith("]") else ""]
+        cells = [name, unit_of(label)]
         for record in records:
             values = record[name][np.isfinite(record[name])]
             cells += [number(factor * each) for each in ((values.min(), values.max()) if len(values) else (math.nan, math.nan))]

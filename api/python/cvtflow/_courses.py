@@ -4,7 +4,7 @@ import numpy as np
 
 from . import _known
 from ._channels import split
-from ._numbers import mean, period_means
+from ._numbers import period_means
 from .commands._columns import time_text
 
 _LONG_RUN = 60.0  # pin periods beyond which vibrations would be a solid band

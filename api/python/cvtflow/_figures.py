@@ -14,6 +14,8 @@ import textwrap
 import matplotlib
 import numpy as np
 
+from .commands._columns import csv_cell
+
 STYLE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "cvtflow.mplstyle")
 _LEGEND = 26  # characters of a name in a legend beside the frame
 _WIDTH, _HEIGHT, _LOW = 8.6, 5.4, 3.0  # of a picture with one panel, of one of several [inch]
@@ -411,12 +413,10 @@ def csv(panels):
     with_values = any(panel.fields for panel in panels)
     text = io.StringIO()
 
-    def quoted(cell):
-        return '"' + cell.replace('"', '""') + '"'
-
     def put(panel, series, x, y, value=None):
-        cells = [quoted(panel.title), quoted(series), f"{x:.9g}", f"{y:.9g}"] + ([value or ""] if with_values else [])
-        text.write(",".join([*cells, quoted(panel.x), quoted(panel.y)]) + "\n")
+        title, name, *ends = (csv_cell(cell, quoted=True) for cell in (panel.title, series, panel.x, panel.y))
+        cells = [title, name, f"{x:.9g}", f"{y:.9g}"] + ([value or ""] if with_values else [])
+        text.write(",".join(cells + ends) + "\n")
 
     text.write("plot,series,x,y,value,x axis,y axis\n" if with_values else "plot,series,x,y,x axis,y axis\n")
     for panel in panels:

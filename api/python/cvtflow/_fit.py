@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import tempfile
 from collections.abc import Mapping
 from typing import Any
@@ -11,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from ._known import rows_of, suggestion
-from ._library import quantity
+from ._library import in_si
 from ._measured import Measured
-from ._scene import Scene
-from ._scene import all_keys, resolve
-from ._sweep import Sweep, opened
+from ._rows import column_name
+from ._scene import Scene, all_keys, opened, resolve
+from ._sweep import Sweep
 
 
 class Fit:
@@ -67,7 +66,7 @@ def fit(scene: Scene | str, parameters: Mapping[str, tuple[Any, Any]], measured:
     if not hasattr(parameters, "values") or not all(isinstance(ends, (tuple, list)) and len(ends) == 2 for ends in parameters.values()):
         raise TypeError('parameters: least and largest value by key, such as {"tip.friction_coefficient": (0.05, 0.14)}')
     keys = [resolve(scene, name) for name in parameters]
-    low, high = np.array([[_in_si(key, value) for value in ends] for key, ends in zip(keys, parameters.values())], dtype=float).T
+    low, high = np.array([[in_si(value, key, all_keys()[key].unit) for value in ends] for key, ends in zip(keys, parameters.values())], dtype=float).T
     if not np.all(low < high):
         raise ValueError("parameters: the least value of a key is not below its largest")
     scale = {name: (deviations or {}).get(name, 0.01 * np.max(np.abs(each))) for name, each in targets.items()}
@@ -99,10 +98,10 @@ def fit(scene: Scene | str, parameters: Mapping[str, tuple[Any, Any]], measured:
 
 def _columns(measured):
     """Measured values in SI: of keys by key, of scalars by "slip mean". Raises Misuse."""
-    keys = {re.sub(r"\W", "_", name): name for name in all_keys()}
+    keys = {column_name(name): name for name in all_keys()}
     points, targets = {}, {}
     for name in measured:
-        if key := keys.get(re.sub(r"\W", "_", name)):
+        if key := keys.get(column_name(name)):
             points[key] = measured.column(name, all_keys()[key].unit)
             continue
         channel, _, statistic = name.replace(" ", "_").rpartition("_")
@@ -111,7 +110,3 @@ def _columns(measured):
             raise ValueError(f"measured: '{name}' is no key, and no scalar such as \"slip mean\"" + suggestion(channel, channels))
         targets[f"{channel} {statistic}"] = measured.column(name, channels[channel]["unit"])
     return points, targets
-
-
-def _in_si(key, value):
-    return quantity(value, all_keys()[key].unit) if isinstance(value, str) else float(value)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import io
+import re
 import zipfile
 from html import escape
 from xml.etree import ElementTree
@@ -54,6 +55,12 @@ class Model:
     capabilities: tuple = ()
     log_categories: tuple = ()
     sources: tuple = ()
+
+
+def identifier(name):
+    """A name reduced to letters, digits and underscores: the name of the FMU's library."""
+    plain = re.sub(r"[^A-Za-z0-9]", "_", name)
+    return plain if plain and not plain[0].isdigit() else f"fmu_{plain}"
 
 
 def _number(value):

@@ -8,7 +8,7 @@ from ._courses import how_to_record, time_text
 from ._known import Misuse, display_unit, suggestion
 from ._numbers import Array, cycles
 from ._page import finite
-from .commands._columns import table
+from .commands._columns import csv_cell, table
 
 
 class Load:
@@ -90,11 +90,7 @@ def _text(load, classes, exponent, round_time, si):
 
 
 def _csv(found):
-    def text(cell):
-        cell = f"'{cell}" if cell[:1] in ("=", "+", "-", "@", "\t") else cell  # not a formula of a spreadsheet
-        return '"' + cell.replace('"', '""') + '"' if any(mark in cell for mark in ',;"\n') else cell
-
-    rows = [[text(load.name), text(load.unit), *(repr(value).removesuffix(".0") for value in row)]
+    rows = [[csv_cell(load.name, True), csv_cell(load.unit, True), *(repr(value).removesuffix(".0") for value in row)]
             for load in found for row in load.cycles.tolist()]
     return "".join(",".join(row) + "\n" for row in [["load", "unit", "range", "mean", "cycles", "from_time", "to_time"], *rows])
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ._channels import shown
+from ._channels import shown, unit_of
 from ._figures import Line, Panel, colour, draw
 from ._numbers import mean
 from ._page import packed, quantised
@@ -103,7 +103,7 @@ def data(record, motion, si):
                                ("slip", "1", motion.slip if motion.has_pulleys else None)):
         if values is not None:
             label, factor = shown(name, unit, si)
-            made["colours"].append({"n": name, "u": label.partition(" [")[2].rstrip("]"), "v": quantised(factor * values)})
+            made["colours"].append({"n": name, "u": unit_of(label), "v": quantised(factor * values)})
     first = not power_into(record, 1) < power_into(record, 2)
     made["labels"] = ["drive", "driven"] if first else ["driven", "drive"]
     made["shafts"] = [{"angle": packed(angle, "<f4"), "radius": packed(radius, "<f4")}
@@ -120,7 +120,7 @@ def power_into(record, shaft):
 def pin_forces(motions, labels, heading, si=False):
     """Axial force of the pins over the angle about the shaft: mean over all states, with minimum and maximum. The figure."""
     label, factor = shown("pin force", "N", si)
-    unit = label.partition(" [")[2].rstrip("]")
+    unit = unit_of(label)
     panel = Panel("Axial force of the pins round the pulleys",
                   "angle about the shaft in its sense of turning, 0: away from the other shaft [°]",
                   f"force of both halves on each sheave [{unit}]", x_ends=(-130.0, 130.0))

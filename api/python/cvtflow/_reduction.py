@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 
+from ._fmu import identifier
 from ._reduce import SAFETY, Bench, Law, Machine, Map, is_good, axes_of, steady
 from ._small import Small
 
@@ -248,7 +249,7 @@ def reduce(request):
              "their rates (rms)",
              errors.text(), f"1 ms steps: {_speed_factor(model, small):,.0f} times as fast as the clock"]
     for fmi, file in zip((2, 3), files):
-        content, systems = small.fmu(_identifier(request["name"]), fmi, "\n".join(lines[:3]))
+        content, systems = small.fmu(identifier(request["name"]), fmi, "\n".join(lines[:3]))
         bench.write(file, content)
         lines.append(f"{file}: FMI {fmi}.0, {', '.join(systems)}, {len(content) / 1e3:.0f} kB")
     bench.write("errors.txt", "\n".join(lines) + "\n")
@@ -256,8 +257,3 @@ def reduce(request):
     for missing in errors.missing:
         print(missing, file=sys.stderr)
     return 5 if errors.missing else 0, lines
-
-
-def _identifier(name):
-    plain = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in name)
-    return plain if plain[:1].isalpha() else "variator_" + plain

@@ -6,7 +6,7 @@ import re
 import numpy as np
 
 from . import _known, _motion, plots
-from ._channels import shown
+from ._channels import shown, unit_of
 from ._comparison import comparison
 from ._courses import detail_text, time_text
 from ._numbers import mean
@@ -112,11 +112,6 @@ def _figures(record, si):
     how = f"The last means are over {periods} whole pin periods, from {time_text(begin)} on." if periods else ""
     made = table(headings, rows, "sortable figures", record.path, "channel", styles={7: "meaning"})
     return [made, *([text(how, "small")] if how else [])]
-
-
-def unit_of(label):
-    """"kN" of "tight tension [kN]"."""
-    return label.rpartition(" [")[2].rstrip("]") if label.endswith("]") and " [" in label else ""
 
 
 def _drive_text(record):

@@ -7,7 +7,6 @@ import hashlib
 import math
 import os
 import pathlib
-import re
 import time
 from collections.abc import Sequence
 from html import escape
@@ -207,12 +206,6 @@ def _bytes(*place):
         return file.read()
 
 
-def _identifier(name):
-    """A name reduced to letters, digits and underscores: the name of the FMU's library."""
-    plain = re.sub(r"[^A-Za-z0-9]", "_", name)
-    return plain if plain and not plain[0].isdigit() else f"fmu_{plain}"
-
-
 def content(simulation, files, fmi=3, inputs=(), outputs=(), parameters=(), author=""):
     """The bytes of the FMU of a simulation, which is at t = 0. files: libraries by system; the rest as of export_fmu()."""
     scene = simulation.scene
@@ -227,7 +220,7 @@ def content(simulation, files, fmi=3, inputs=(), outputs=(), parameters=(), auth
     capabilities = ["canHandleVariableCommunicationStepSize", "canGetAndSetFMUState", "canSerializeFMUState"]
     if third:
         capabilities += ["providesIntermediateUpdate", "mightReturnEarlyFromDoStep", "canReturnEarlyAfterIntermediateUpdate"]
-    model = _fmu.Model(scene.name, _identifier(scene.name), f"{{{token}}}", scene.description, variables, _units(variables),
+    model = _fmu.Model(scene.name, _fmu.identifier(scene.name), f"{{{token}}}", scene.description, variables, _units(variables),
                        f"cvtflow {version}", until, min(1e-3 if long else 1e-4, until), author, generation_date(), tuple(capabilities),
                        ("logStatusError", "logStatusWarning"))
     words = [escape(scene.description),

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from . import _known, maps
-from ._channels import shown
+from ._channels import shown, unit_of
 from ._comparison import keys_that_differ, letters
 from ._courses import detail_text
 from ._page import heading, pairs, picture, provenance, section, table, text
@@ -60,7 +60,7 @@ def _cases(results, key, si):
     headings, columns = [], []
     for name in results:
         label, factor = _shown(results, name, si)
-        unit = label.partition(" [")[2].rstrip("]")
+        unit = unit_of(label)
         headings.append((f"{name} [{unit}]" if unit else name, results.info[name].description))
         if is_number(results, name):
             values = factor * np.asarray(results[name], dtype=float)
@@ -100,8 +100,7 @@ def _frames(results, x, y, si):
 def _framed(frame, key, value, si):
     """Results named by the value of a key."""
     label, factor = _shown(frame, key, si)
-    words, _, unit = label.partition(" [")
-    frame.name = f"{words} {factor * value:.4g} {unit.rstrip(']')}".rstrip()
+    frame.name = f"{label.partition(' [')[0]} {factor * value:.4g} {unit_of(label)}".rstrip()
     return frame
 
 

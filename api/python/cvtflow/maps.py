@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import _known
-from ._channels import shown
+from ._channels import shown, unit_of
 from ._courses import level_text
 from ._figures import Field, Line, Panel, colour, draw
 from ._numbers import belt_radii
@@ -48,8 +48,7 @@ def _heading(results, good):
 def _setting(results, name, value, si):
     """load torque 6 N·m, of a legend."""
     label, factor = shown(name, results.info[name].unit, si)
-    unit = label.partition(" [")[2].rstrip("]")
-    return f"{_words(label)} {value if isinstance(value, str) else f'{factor * value:.6g}'} {unit}".rstrip()
+    return f"{_words(label)} {value if isinstance(value, str) else f'{factor * value:.6g}'} {unit_of(label)}".rstrip()
 
 
 def _require_cases(results, good):

@@ -43,6 +43,12 @@ def time_text(value):
     return f"{value:.4g} s"
 
 
+def csv_cell(text, guarded=False, quoted=False):
+    """A text as a cell of CSV, in quotes where it must be. guarded: with ' before what spreadsheets take for a formula; quoted: always"""
+    text = f"'{text}" if guarded and text[:1] in ("=", "+", "-", "@", "\t") else text
+    return '"' + text.replace('"', '""') + '"' if quoted or set(text) & set(',;"\n') else text
+
+
 def table(headings, lines, left, indent=0):
     """Lines of cells under headings, as wide as their longest cell. left: whether a column is aligned so."""
     widths = [max(map(len, column)) for column in zip(headings, *lines)]

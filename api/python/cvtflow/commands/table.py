@@ -4,7 +4,7 @@ import math
 import sys
 
 from .. import _rows
-from ._columns import column_of, exact, heading_of, short, table
+from ._columns import column_of, csv_cell, exact, heading_of, short, table
 from ._front import SI, UsageError, between, file_or_result, require, visible
 
 DESCRIPTION = "Show the results of a sweep as text or CSV, or count the cycles of a recorded load"
@@ -49,15 +49,11 @@ def act(arguments):
     return None
 
 
-def _cell(text):
-    return '"' + text.replace('"', '""') + '"' if any(mark in text for mark in ',;"\n') else text
-
-
 def _csv(rows, kept, units):
     columns = rows.columns
     lines = [[f"{column.name} [{column.unit}]" if units and column.unit else column.name for column in columns]]
     lines += [[exact(rows.cells[column.name][row]) for column in columns] for row in kept]
-    return "".join(",".join(map(_cell, line)) + "\n" for line in lines)
+    return "".join(",".join(map(csv_cell, line)) + "\n" for line in lines)
 
 
 def _text(rows, kept, names, si):
