@@ -149,6 +149,7 @@ class VerifiedSweeps(Folder):
     def test_are_tuned_at_their_corners_and_have_the_errors_of_verified_cases(self):
         sweep = cvtflow.Sweep(tiny("run.step=auto"), {"load.torque": [6, 8, 10, 12]}, ["tight_tension mean"], settings={"until": "1 ms"},
                               from_="0.4 ms", start="settle", accuracy={"target": "20 %", "verify": 3})
+        self.assertIn('[accuracy]\ntarget = "20 %"\nverify = 3\n', sweep.text)
         results = sweep.run(self.folder, progress=False)
         self.assertEqual(sum(math.isfinite(error) for error in results["error_of_tight_tension_mean"]), 3)
         self.assertLess(max(error for error in results["error_of_tight_tension_mean"] if math.isfinite(error)), 0.2)

@@ -11,7 +11,7 @@ import subprocess
 from pathlib import Path
 
 from messages_test import commands_of
-from program import (BRIEFLY, BUILD, DEEP, LAB, PROGRAM, SETTLING, SOURCE, Program, attribute, channel, fact, hash_in, main, read,
+from program import (BRIEFLY, BUILD, LAB, PROGRAM, SETTLING, SOURCE, Program, attribute, channel, fact, hash_in, main, read,
                      rows_of, words_of, write, write_sweep)
 
 
@@ -333,10 +333,6 @@ class Tune(Program):
         self.has(second.err, ", from the cache")
         self.lacks(second.err, "reference at start")
         self.assertEqual(hash_in(second.out, "state hash"), hash_in(first.out, "state hash"))
-        if DEEP:
-            for entry in Path("cvtflow").iterdir():
-                os.truncate(entry, entry.stat().st_size // 2)
-            self.has(ran().err, "found in ")  # what is damaged is made anew
 
     def test_sweeps_with_an_accuracy_carry_their_errors_and_say_where_they_miss_it(self):
         write("sweep.toml", '[sweep]\nscene = "tiny"\n[set]\nrun.until = "1 ms"\nrun.method = "leapfrog-sweep"\nstart.settling_time = '

@@ -7,11 +7,9 @@ target everywhere is taken; what ends early or does not close its energy balance
 
 from __future__ import annotations
 
-import itertools
 import json
 import math
 import random
-import shutil
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -94,14 +92,14 @@ class Points:
         self._head = {"only": only} if only else {}
         self._settles = sweep.get("start", {}).get("mode") == "settle"
         self._end, self._what = time.monotonic() + budget if budget else math.inf, ""
-        self._folder = tempfile.mkdtemp(prefix="cvtflow-tune-")
-        self._numbers, self._states, self._probed = itertools.count(), {}, {}
+        self._folder = tempfile.TemporaryDirectory(prefix="cvtflow-tune-")
+        self._states, self._probed = {}, {}
 
     def __enter__(self) -> Points:
         return self
 
     def __exit__(self, *_: Any) -> None:
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self._folder.cleanup()
 
     def begin(self, what: str) -> None:
         """Reports a measurement. Raises _BudgetUsedUp."""
@@ -112,8 +110,7 @@ class Points:
 
     def _swept(self, scene, sweep, **head):
         """The folder of a sweep that has run."""
-        folder = Path(self._folder, str(next(self._numbers)))
-        folder.mkdir()
+        folder = Path(tempfile.mkdtemp(dir=self._folder.name))
         (folder / "scene.toml").write_text(scene.text, encoding="utf-8")
         (folder / "sweep.toml").write_text(file_text(sweep, scene="scene.toml", **head), encoding="utf-8")
         file = SweepFile.read(folder / "sweep.toml")
