@@ -37,34 +37,25 @@ def unknown(name, names):
     return KeyError(f"unknown channel '{name}'" + suggestion(name, names))
 
 
-class Columns:
-    """Columns of channels by the prefix of their group; each group is worked out once."""
-
-    def __init__(self, columns):
-        self._columns, self._below = list(columns), {}
-
-    def below(self, prefix):
-        """Columns whose names begin with the prefix, by the rest of the name; and the names of the groups among them."""
-        if prefix not in self._below:
-            info = {column.name[len(prefix):]: column for column in self._columns if column.name.startswith(prefix)}
-            self._below[prefix] = info, {name.split("/")[0] for name in info if "/" in name}
-        return self._below[prefix]
-
-
 class Channels(Mapping[str, Any]):
     """Values by the names of channels: channels["slip"], channels["links/tension[3]"], channels.shaft_1.torque; channels.info has their
     units."""
 
-    def __init__(self, read: Any, columns: Any, prefix: str = "") -> None:
-        self._read, self._columns, self._prefix = read, columns, prefix
+    def __init__(self, read: Any, columns: list[Any], known: dict[str, Any], prefix: str = "") -> None:
+        """read: values of a name; known: what has been found of these columns by the prefix of a group, filled here"""
+        self._read, self._columns, self._known, self._prefix = read, columns, known, prefix
+
+    def _names(self):
+        """Columns by the rest of their names behind the prefix, and the names of the groups among them."""
+        if self._prefix not in self._known:
+            info = {column.name[len(self._prefix):]: column for column in self._columns if column.name.startswith(self._prefix)}
+            self._known[self._prefix] = info, {name.split("/")[0] for name in info if "/" in name}
+        return self._known[self._prefix]
 
     @property
     def info(self) -> dict[str, Any]:
         """Column (name, unit, description, width) of every channel, by name."""
         return dict(self._names()[0])
-
-    def _names(self):
-        return self._columns.below(self._prefix)
 
     def __getitem__(self, name: str) -> Any:
         return self._read(self._prefix + name if self._prefix else name)
@@ -85,7 +76,7 @@ class Channels(Mapping[str, Any]):
         if name in info:
             return self[name]
         if name in groups:
-            group = self.__dict__[name] = Channels(self._read, self._columns, f"{self._prefix}{name}/")  # found directly from now on
+            group = self.__dict__[name] = Channels(self._read, self._columns, self._known, f"{self._prefix}{name}/")  # found directly from now on
             return group
         raise AttributeError(unknown(name, {*info, *groups}).args[0])
 
@@ -101,7 +92,7 @@ class Channels(Mapping[str, Any]):
         return "\n".join(lines)
 
 
-def of_simulation(simulation, columns):
+def of_simulation(simulation, columns, known):
     """The channels of a simulation: numbers, and arrays of their own."""
 
     def read(name):
@@ -109,9 +100,9 @@ def of_simulation(simulation, columns):
         try:
             values = simulation.channel(channel)
         except ValueError:
-            raise unknown(name, columns.below("")[0]) from None
+            raise unknown(name, [column.name for column in columns]) from None
         if element is not None and element >= len(values):
             raise KeyError(f"{name}: {channel} has {len(values)} elements")
         return float(values[element or 0]) if element is not None or len(values) == 1 else values.copy()
 
-    return Channels(read, columns)
+    return Channels(read, columns, known)

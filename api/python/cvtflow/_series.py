@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from . import _known, _wear
-from ._channels import Channels, Columns, split, unknown
+from ._channels import Channels, split, unknown
 from ._errors import ArgumentError, RecordError
 from ._library import Column, c, check, message
 from ._notebook import shown, with_unit
@@ -255,7 +255,7 @@ class Record(Series, Mapping[str, Array]):
 
     status = property(lambda self: self.attributes.get("status", ""), doc="finished, running, unreliable, cycle_missed: …, or the cause of an early end.")
     attributes = property(lambda self: {name: _text(value) for name, value in self._file.attrs.items()}, doc="Of the whole file, by name.")
-    channels = property(lambda self: Channels(self.__getitem__, Columns(self.info.values())), doc="Arrays by name; channels.info: their units.")
+    channels = property(lambda self: Channels(self.__getitem__, list(self.info.values()), {}), doc="Arrays by name; channels.info: their units.")
     rows = property(lambda self: len(self._time), doc="Number of rows when the file was opened.")
     states = property(lambda self: States(self._file.get("states", {})), doc="The recorded states: time, unknowns, phases.")
 

@@ -13,7 +13,7 @@ from ctypes import byref, c_double, c_size_t, c_void_p
 from html import escape
 from typing import Any
 
-from ._channels import Channels, Columns, of_simulation
+from ._channels import Channels, of_simulation
 from ._errors import ArgumentError, BusyError, SceneError, StartStateError, StateError
 from ._known import suggestion
 from ._library import (ON_LINE, Column, Counters, Energy, Info, Options, Owned, Transition, _local, _WrongType, c, check, described, encoded,
@@ -347,8 +347,8 @@ class Simulation:
             for number in range(c.channel_count(self._handle)):
                 check(c.channel_describe(self._handle, number, byref(info), message()))
                 found.append(Column(info.name.decode(), info.unit.decode(), info.description.decode(), info.width))
-            self._columns = Columns(found)
-        return of_simulation(self, self._columns)
+            self._columns = found, {}
+        return of_simulation(self, *self._columns)
 
     def channel(self, name: str) -> Any:
         """Values of a channel now [width]: a view without a copy, which changes with the next read of this channel after a step."""
