@@ -10,7 +10,7 @@ import random
 from . import _rows, _tune, _tuning
 from ._errors import StateError
 from ._library import in_si
-from ._scene import Scene, flat, is_path
+from ._scene import Scene, flat, opened
 from ._sweep_file import file_text
 
 
@@ -30,7 +30,7 @@ def read(path):
         sweep = _absolute(tomllib.load(file), folder)
     head = sweep.pop("sweep")
     beside = os.path.join(folder, head["scene"])
-    scene = Scene.read(beside) if os.path.isfile(beside) else Scene.read(head["scene"]) if is_path(head["scene"]) else Scene.ready(head["scene"])
+    scene = opened(beside if os.path.isfile(beside) else head["scene"])
     if "detail" in head:
         scene = scene.with_detail(head["detail"])
     values = dict(flat(scene, sweep.pop("set", {})))

@@ -17,19 +17,13 @@ def declare_scene(parser, shortcuts=(), settle=False):
                             help="Start from the geometric start and settle it, even if the scene names a state file")
 
 
-def read(name):
-    """The Scene of a path or of a ready scene's name."""
-    from .. import Scene
-
-    return Scene.read(name) if "/" in name or name.endswith(".toml") else Scene.ready(name)
-
-
 def load(given, shortcuts=(), quiet=False):
     """The Scene that a command line states. Where its changes alter the unknowns, the scene's start state no longer fits and is dropped, with a
     line on stderr unless `quiet`. Raises UsageError for a setting that cannot be."""
     from .. import Simulation, StartStateError, Threads
+    from .._scene import opened
 
-    scene = stated = read(given.scene)
+    scene = stated = opened(given.scene)
     try:
         if given.detail:
             scene = scene.with_detail(given.detail)

@@ -1,7 +1,7 @@
 """`cvtflow run --accuracy`: tunes, or takes a kept choice, and becomes the program's `run` with it. Other options are the program's."""
 
 from ._front import UsageError, become_program, interruptible, say
-from ._scenes import declare_scene, load, read
+from ._scenes import declare_scene, load
 from .tune import declare_tuning, settings_of
 
 DESCRIPTION = "Simulate a scene and record it"
@@ -23,7 +23,7 @@ def declare(parser):
 
 
 def act(given):
-    from .. import _tuning
+    from .. import _scene, _tuning
 
     for option in ("method", "step", "tolerance", "detail"):
         if getattr(given, option) is not None:
@@ -34,7 +34,7 @@ def act(given):
     if not given.quiet:
         say(f"{scene.name}: {found.choice} for {given.accuracy} (largest error measured: {100 * found.error:.2g} %), "
             + ("from the cache" if found.kept else f"found in {wall:.1f} s"))
-    words, stated = ["run", given.scene], read(given.scene)
+    words, stated = ["run", given.scene], _scene.opened(given.scene)
     for key in found.scene:
         if (value := found.scene.value(key)) != stated.value(key):
             words += ["--set", f"{key}={value}"]
