@@ -93,6 +93,7 @@ class Rule(Folder):
         self.assertEqual([line.partition(": ")[0] for line in found["left_out"]],
                          ["leapfrog-sweep@20us at full", "leapfrog-sweep@20us at fine detail.plates=lumped"])
         self.assertLess(max(found["choices"][0]["errors"]), max(found["choices"][1]["errors"]))
+        self.assertEqual([row["front"] for row in found["choices"]], [True, False])  # the second one costs more
 
     def test_keeps_its_choice_by_the_scenes_content_and_makes_a_damaged_one_anew(self):
         scene, settings = tiny("run.step=auto"), BRIEF._replace(accuracy=0.2)

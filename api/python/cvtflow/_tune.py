@@ -327,9 +327,9 @@ def search(points: Points, settings: Settings) -> dict[str, Any]:
             _judge(points, settings, found, references, row)
             if row["standing"] == "chosen":
                 found["chosen"] = number
-        tried = [row for row in found["choices"] if row["tried"] and math.isfinite(max(row["errors"]))]
-        for row in tried:
-            row["front"] = not any(_beats(other, row) for other in tried)
+        least = math.inf
+        for error, row in [(max(row["errors"]), row) for row in found["choices"] if row["tried"]]:  # by rising cost
+            row["front"], least = error < least, min(error, least)
     except _BudgetUsedUp as used:
         found["budget_used_up_by"] = str(used)
     found["wall"] = time.monotonic() - begin
@@ -339,12 +339,6 @@ def search(points: Points, settings: Settings) -> dict[str, Any]:
 def choice_of(row: dict[str, Any]) -> Choice:
     """The Choice of a row of search()."""
     return Choice(*map(row.get, Choice._fields))
-
-
-def _beats(a, b):
-    """Whether a choice is cheaper and as exact as another, or as cheap and more exact."""
-    cost, error = [row["work_per_second"] for row in (a, b)], [max(row["errors"]) for row in (a, b)]
-    return cost[0] <= cost[1] and error[0] <= error[1] and (cost[0] < cost[1] or error[0] < error[1])
 
 
 def _judge(points, settings, found, references, row):

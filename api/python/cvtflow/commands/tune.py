@@ -77,11 +77,6 @@ def _field(name, text):
     return f"  {name:<20}{text}\n"
 
 
-def _step(row):
-    auto = "auto" if row["share"] == 1.0 else f"auto/{1.0 / row['share']:g}"
-    return f"{1e6 * row['step']:.4g} us" if row["step"] else auto
-
-
 def _text(found):
     from .. import _tune
 
@@ -90,8 +85,8 @@ def _text(found):
         untried += not row["tried"]
         if row["tried"] or untried <= _SHOWN_UNTRIED:
             errors = [f"{100 * error:.2g}" if math.isfinite(error) else "-" for error in row["errors"]] or [""] * len(found["outputs"])
-            shown.append([row["detail"] or "own", row["method"], _step(row), f"{row['seconds_per_second']:.3g}", *errors, "*" * row["front"],
-                          row["standing"]])
+            shown.append([row["detail"] or "own", row["method"], f"{1e6 * row['step']:.4g} us" if row["step"] else "auto",
+                          f"{row['seconds_per_second']:.3g}", *errors, "*" * row["front"], row["standing"]])
     points, count = len(found["points"]), len(found["outputs"])
     headings = ["detail", "method", "step", "s/s", *(f"{name} %" for name in found["outputs"]), "front", "standing"]
     text = f"{found['scene']}: accuracy {100 * found['accuracy']:g} %, at {points} operating point{'s' * (points != 1)}\n"
