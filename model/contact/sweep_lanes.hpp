@@ -1,8 +1,9 @@
 #pragma once
-/// One pass of an implicit sweep (model/contact/sweep_step.hpp), and what the forces dissipate that sweeps have found, lanes over links.
+/// One pass of an implicit sweep (model/contact/friction_operator.hpp), and what the forces dissipate that sweeps have found, lanes over
+/// links.
 
 #include "model/contact/contact_lanes.hpp"
-#include "model/contact/sweep_step.hpp"
+#include "model/contact/friction_operator.hpp"
 #include "model/law/friction_laws.hpp"
 
 namespace cvtflow::model {

@@ -10,7 +10,6 @@
 
 #include "model/basis/lanes.hpp"
 #include "model/chain/chain_model.hpp"
-#include "model/contact/contact_field.hpp"
 #include "model/contact/friction_operator.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"

@@ -15,7 +15,6 @@
 #include <string_view>
 #include <vector>
 
-#include "model/contact/contact_field.hpp"
 #include "model/contact/friction_operator.hpp"
 #include "tasks/step/assembly/segment_tasks.hpp"
 

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "model/contact/sweep_step.hpp"
+#include "model/contact/friction_operator.hpp"
 #include "tasks/method/friction/segment_fields.hpp"
 #include "tasks/step/step_method.hpp"
 
@@ -29,7 +29,7 @@ namespace cvtflow::tasks {
 /// sweeps would be needed than a step has.
 [[nodiscard]] bool sweeps_suit(const model::Parameters& parameters);
 
-/// The friction of a step as forces that implicit sweeps find (model/contact/sweep_step.hpp), by segments. Both neighbours of a border
+/// The friction of a step as forces that implicit sweeps find (model/contact/friction_operator.hpp), by segments. Both neighbours of a border
 /// compute its joint, from what they have handed over; so the same bits come out for all segments.
 class SweepSystem {
 public:

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "model/contact/friction_operator.hpp"
-#include "model/contact/sweep_step.hpp"
 #include "model/kernels/available_isas.hpp"
 #include "model/law/phase_rule.hpp"
 #include "model/variator/variator.hpp"
