@@ -1,4 +1,4 @@
-#include "tasks/method/friction/segment_fields.hpp"
+#include "tasks/method/friction/sweep_leapfrog.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "tasks/method/friction/segment_fields.hpp"
 #include "tasks/method/friction/sweep_leapfrog.hpp"
 #include "tasks/method/method.hpp"
 #include "tasks/run/run.hpp"
