@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "tasks/step/assembly/segment_tasks.hpp"
 #include "tasks/step/step_graph.hpp"
 #include "tasks/step/workspace.hpp"
 

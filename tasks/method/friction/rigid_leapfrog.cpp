@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tasks/step/assembly/segment_tasks.hpp"
 #include "tasks/step/step_graph.hpp"
 
 namespace cvtflow::tasks {

@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "model/contact/friction_operator.hpp"
-#include "tasks/step/assembly/segment_tasks.hpp"
+#include "tasks/step/step_graph.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {

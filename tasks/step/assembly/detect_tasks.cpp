@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "tasks/step/assembly/segment_tasks.hpp"
+#include "tasks/step/step_graph.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tasks/step/assembly/segment_tasks.hpp"
 #include "tasks/step/control/step_grid.hpp"
 #include "tasks/step/integration_state.hpp"
+#include "tasks/step/step_graph.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
