@@ -283,10 +283,10 @@ double latest_end(const Scene& scene) {
     if (!scene.run.until.automatic()) return scene.run.until;
     const model::Parameters& p = scene.parameters;
     const double length = model::chain_length(p.chain);
-    const auto radii = model::belt_radii(length, p.start.ratio, p.pulley.centre_distance);
+    const double radius = 2.0 * p.pulley.arc_position / (1.0 + p.start.ratio);  // of the driving pulley, as if both had a constant sum
     const double speed = p.drive.mode == model::DriveMode::torque ? p.control.reference_speed : std::abs(p.drive.speed.at(0.0));
     constexpr double slowest = 1e-2;  // a chain that stands ends its run at once [m/s]
-    return scene.run.steady_limit * length / std::max(slowest, speed * (radii ? radii->driving : p.pulley.arc_position));
+    return scene.run.steady_limit * length / std::max(slowest, speed * radius);
 }
 
 std::span<const DetailPreset> detail_presets() noexcept {
