@@ -58,15 +58,7 @@ def _require_cases(results, good):
 
 def lines(sweeps, x, y, by=None, measured=None, si=False, where=(), ax=None, **style):
     """A column over another, one line for each value of the others that vary; of several sweeps in one frame. Rings: cases that are not steady.
-
-    sweeps    Results of sweeps, one or more
-    by        a column, or a list of them, that lines are drawn for; None: every key of the scene that varies beside x
-    measured  Measured data as points
-    si        shows SI units instead of bar, l/min, rpm, kN, mm and %
-    where     conditions that chose the cases, for the heading
-    ax        Axes; None: a new figure
-    style     is passed to Axes.plot
-    """
+    sweeps: Results, one or more; measured: Measured; where: conditions that chose the cases, for the heading; the others as of Results.plot()."""
     x_label, y_label = _numbers(sweeps[0], x, si)[0], _numbers(sweeps[0], y, si)[0]
     panel = Panel(f"{_words(y_label)} over {_words(x_label)}", x_label, y_label)
     headings, circled = [], []

@@ -93,17 +93,8 @@ def _across(record, x, si, end):
 
 
 def curves(records, channels=(), x="", measured=None, every_output=False, si=False, ax=None, **style):
-    """Channels over time, or over another channel: those of one unit in one panel. Of runs longer than 60 pin periods, means over each.
-
-    records       cvtflow.Record, one or more
-    channels      names of channels, of groups ("shaft_1"), of one number ("links/tension[3]"); none: the main quantities of a run
-    x             channel along the horizontal axis instead of time
-    measured      Measured data as points
-    every_output  draws every output of a long run
-    si            shows SI units instead of bar, l/min, rpm, kN, mm and %
-    ax            Axes, one for each panel; None: a new figure
-    style         is passed to Axes.plot
-    """
+    """Channels over time, or over another channel: those of one unit in one panel. Of runs longer than 60 pin periods, means over each. records:
+    one or more; measured: Measured; the others as of Series.plot()."""
     panels, notes = Panels(si), {}
     end = max(record["time"][-1] for record in records)
     for record, label in zip(records, labels(records)):
