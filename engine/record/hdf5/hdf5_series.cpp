@@ -172,11 +172,11 @@ void RowBlock::write_member(const Member& member, bool complete) {
     const std::size_t size = chunk_ * member.row_bytes;
     for (std::size_t row = first_; row < taken_; row += chunk_) {
         const std::size_t rows = std::min(chunk_, taken_ - row);
-        std::fill(image_.begin(), image_.end(), std::byte{0});
         std::memcpy(image_.data(), member.rows.get() + (row - first_) * member.row_bytes, rows * member.row_bytes);
+        std::memset(image_.data() + rows * member.row_bytes, 0, size - rows * member.row_bytes);
         const bool summed = complete || rows == chunk_;
-        const std::uint32_t sum = fletcher32(std::span(image_).first(size));
-        if (summed) std::memcpy(image_.data() + size, &sum, sizeof sum);  // little-endian, as all processors of this program
+        const std::uint32_t sum = summed ? fletcher32(std::span(image_).first(size)) : 0;
+        std::memcpy(image_.data() + size, &sum, sizeof sum);  // little-endian, as all processors of this program
         const std::array<hsize_t, 2> first{row, 0};
         check(H5Dwrite_chunk(dataset, H5P_DEFAULT, summed ? 0 : without_checksum, first.data(), size + (summed ? sizeof sum : 0),
                              image_.data()),
