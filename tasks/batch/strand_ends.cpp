@@ -96,6 +96,9 @@ void StrandEnds::take(const Step& step, long number, const Scene& scene, Continu
     constexpr double shock = 2.0 * EnergyLedger::window;   // what is not quite a motion begins with one, as where a case settles [s]
     const model::ChainLayout layout = model::layout_of(scene.parameters);
     auto moved = std::make_shared<engine::SavedState>(*start.state);
+    moved->time = -shock;
+    turn_shaft(moved->state.data(), scene.parameters, 0, scene.parameters.drive.speed.integral(moved->time));
+    start.state = moved;
     Beside solved = *beside(start.state);
     const StartStates::State back = step.back < strand_ * sweep_.strand() ? nullptr : at(step.back), ahead = at(step.ahead);
     const auto value = [&](long of) { return value_in(sweep_, *step.key, of); };
@@ -111,8 +114,6 @@ void StrandEnds::take(const Step& step, long number, const Scene& scene, Continu
     if (scene.when_steady != WhenSteady::hold || solved[cylinder] < 0.0 || !(start.extrapolated || along_the_line)) return;
     if (!(std::abs(solved[ratio] / target - 1.0) < largest_move)) return;
     if (!model::shift_ratio(scene.parameters, solved[ratio], target, moved->state.data())) return;
-    moved->time = -shock;
-    turn_shaft(moved->state.data(), scene.parameters, 0, scene.parameters.drive.speed.integral(moved->time));
     model::PulleyCoordinates coordinates;
     coordinates.adopt(scene.parameters);
     const double opening = coordinates.opening(moved->state.data() + layout.pulley_begin(), 0);
