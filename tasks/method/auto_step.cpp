@@ -93,9 +93,11 @@ double AutoStep::limit_of(const SpectralBound& part) const noexcept {
 void AutoStep::find_limit(SpectralBound& part, double time, const double* state, const model::Phase* phases) noexcept {
     constexpr int most_trials = 10;
     constexpr double close = 1.02;
+    const bool waves = filter_ > 0.0 && &part == &damped_parts_.back();
+    if (waves && part.step() > 0.0 && time - begun_ > waves_change) return;
     part.forget();
     part.take(longest_ / sharp_margin, false);
-    if (filter_ > 0.0 && &part == &damped_parts_.back()) evaluations_ += part.estimate_at_rest(time, state, phases);
+    if (waves) evaluations_ += part.estimate_at_rest(time, state, phases);
     if (const double limit = filtered_limit(part); limit > 0.0) return part.take(limit, false);
     double excess = 1.0;
     for (int trial = 0; trial == 0 || (trial < most_trials && excess > close); ++trial) {
@@ -147,8 +149,7 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
     if (check_is_due(time)) {
         const double interval = std::min(interval_ < rigid_check_interval ? interval_ : rigid_estimate_interval, estimated_ - begun_);
         if (clamping_has_risen(time, state) || time - estimated_ >= interval * (1.0 - 1e-9)) {
-            // Contacts damp more the more they bear; what they bear hardly changes in a settled run whose clamping does not. Waves that are
-            // filtered are the links' own, whose stiffness does not change.
+            // Contacts damp more the more they bear; what they bear hardly changes in a settled run whose clamping does not.
             damping_due_ = time == begun_ || time - begun_ >= std::max(soonest_, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9);
             part_ = friction_matters_ ? 0 : 1;  // sweeps take friction implicitly: all that limits them is in the other parts
             estimated_ = time;
@@ -210,7 +211,7 @@ LargestStep AutoStep::largest() const noexcept {
     const LargestStep limits[] = {
         {share * within(reach_.oscillation, bound_.imaginary()), StepLimiter::oscillation, bound_.imaginary()},
         {share * within(reach_.decay, bound_.real()), StepLimiter::decay, bound_.real()},
-        {share * damped_, StepLimiter::damping, fastest},
+        {share * damped_, share * damped_ < longest_ * (1.0 - 1e-9) || friction_matters_ ? StepLimiter::damping : StepLimiter::error, fastest},
         {within(reach_.accurate, bound_.imaginary()), StepLimiter::accuracy, bound_.imaginary()},
         {within(accurate_growth, growth_), StepLimiter::growth, growth_},
     };
@@ -224,8 +225,9 @@ std::string text_of(const LargestStep& limit) {
     switch (limit.by) {
         case StepLimiter::nothing: return "linear stability sets no limit";
         case StepLimiter::oscillation: return fmt::format("{} (oscillation of {:.3g} kHz)", step, kilohertz);
+        case StepLimiter::error: return step + " (as long as friction is accurate)";
         case StepLimiter::decay: return fmt::format("{} (decay of {:.2g} 1/s)", step, limit.rate);
-        case StepLimiter::damping: return fmt::format("{} (oscillation of {:.3g} kHz with its damping)", step, kilohertz);
+        case StepLimiter::damping: return fmt::format("{} (damping of oscillations up to {:.3g} kHz)", step, kilohertz);
         case StepLimiter::accuracy: return fmt::format("{} (accuracy at an oscillation of {:.3g} kHz)", step, kilohertz);
         case StepLimiter::growth: return fmt::format("{} (sliding grows by {:.2g} 1/s where friction falls)", step, limit.rate);
     }
@@ -236,7 +238,10 @@ void AutoStep::visit(engine::Archive& archive) {
     archive("step_checked", checked_), archive("step_begun", begun_), archive("stable_step", stable_);
     archive("damped_step", damped_), archive("damped_at", damped_at_), archive("growth", growth_), archive("pin_period", pin_period_);
     archive("spectrum_evaluations", evaluations_);
-    bound_.visit(archive);
+    if (friction_matters_) bound_.visit(archive);
+    for (SpectralBound& part : damped_parts_) {
+        if (!friction_matters_) part.visit_limit(archive);
+    }
     if (!reuses_eigenvectors_) return archive("damped_soonest", soonest_), archive("damped_with", damped_with_);
     for (SpectralBound& part : damped_parts_) part.visit(archive);
     archive("spectrum_part", part_, no_part, static_cast<int>(damped_parts_.size()));

@@ -49,6 +49,7 @@ enum class StepLimiter {
     oscillation,  ///< stability at the fastest one
     decay,        ///< stability at the fastest one: friction, damping
     damping,      ///< stability of an oscillation with its damping, which the method takes explicitly
+    error,        ///< a longer one would be stable, and its friction not accurate
     accuracy,     ///< the method would damp the fastest oscillation much more than the chain does
     growth,       ///< sliding grows, where friction falls with the sliding speed
 };
@@ -59,7 +60,7 @@ enum class StepLimiter {
 struct LargestStep {
     double step = std::numeric_limits<double>::infinity();  ///< [s]
     StepLimiter by = StepLimiter::nothing;
-    double rate = 0.0;  ///< frequency [rad/s] or rate [1/s] of the limiter
+    double rate = 0.0;  ///< frequency [rad/s], with damping an upper bound, or rate [1/s] of the limiter
 };
 /// "1.62 us (oscillation of 120 kHz)", "linear stability sets no limit".
 [[nodiscard]] std::string text_of(const LargestStep& limit);
@@ -107,6 +108,9 @@ private:
 
     /// Time after a rise of the clamping until damping is estimated again, and whenever it has doubled [s].
     static constexpr double soonest_after_rise = 0.25e-3;
+
+    /// Time after the beginning or a rise after which filtered waves, which are the links' own, keep their limit [s].
+    static constexpr double waves_change = 2.5e-3;
 
     /// An iteration of two evaluations in every such time [s]: 4 of 35 steps of 7.1 us. The 15 of an estimate are complete within 4 ms.
     static constexpr double turn_interval = 250e-6;

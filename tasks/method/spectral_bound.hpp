@@ -73,6 +73,8 @@ public:
     }
     /// The vectors of the iterations, and how far an estimate has come whose budget was too small to complete it.
     void visit(engine::Archive& archive);
+    /// step() and imaginary() alone; a next estimate begins from the start.
+    void visit_limit(engine::Archive& archive) { archive("held_step", step_), archive("spectrum_found", coordinate_.found); }
 
     static constexpr int unlimited = std::numeric_limits<int>::max();
 

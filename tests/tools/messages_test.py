@@ -342,7 +342,7 @@ class Check(Program):
 
     def test_reports_up_to_where_a_settled_scene_is_stable(self):
         self.matches(self.out("check control --step '6 us'"),
-                     r"\n  stable to +5 us \(oscillation of .* kHz with its damping\); run.step exceeds this limit\n")
+                     r"\n  stable to +5 us \(as long as friction is accurate\); run.step exceeds this limit\n")
         for step in ("4.5 us", "auto"):
             self.lacks(self.out(f"check control --step '{step}'"), " exceeds this limit")
         if LAB.exists():

@@ -67,7 +67,7 @@ TEST_F(StabilityCommands, SpectrumKnowsTheLongestStepOfMethodsThatAreNoTables) {
         run(std::vector<std::string>{"spectrum", "tiny", "--method", "leapfrog-sweep", "--extremal", "-q", "-o", "s", "--json"} +
             brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  largest stable step [0-9.]+ us \\(oscillation of .*\\)\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  largest stable step [0-9.]+ us \\(damping of oscillations up to .* kHz\\)\n"));
     const auto json = nlohmann::json::parse(read("s/spectrum.json"));
     EXPECT_FALSE(json["stable_step"].contains("measured")) << "one answer";
     EXPECT_GT(double(json["stable_step"]["stated"]), 1e-6);
