@@ -221,7 +221,8 @@ void HostSimulation::advance(double until, long steps) {
         const long steps_before = simulation_.part().counters().steps;
         channels_.changed();
         const tasks::Fault fault = translated(ErrorCode::internal, [&] {
-            return simulation_.advance({.until = callbacks_.next_stop(simulation_.time(), until), .steps = steps}, callbacks_, cancel_);
+            return simulation_.advance({.until = callbacks_.next_stop(simulation_.time(), until), .steps = steps, .rows_between = true},
+                                       callbacks_, cancel_);
         });
         callbacks_.deliver(simulation_.time(), defaults);
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();

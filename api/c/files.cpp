@@ -49,16 +49,19 @@ struct Recording final : public tasks::RunObserver {
     void output(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
         // Calls of advance_to() also end with an output, settling with one at t = 0 that the run repeats.
         const double number = time / scene.run.output_interval + 1e-9;
-        if (simulation.simulation().needs_settling() || number < next) return;
+        if (simulation.simulation().needs_settling()) return;
+        if (number < next || (simulation.simulation().part().outputs_together() > 1 && time != workspace.step.output)) {
+            if (recorder.samples(time)) sample(time, workspace, counters);
+            return;
+        }
         next = std::floor(number) + 1.0;
         api::translated(ErrorCode::record, [&] { recorder.output(time, workspace, counters); });
     }
-    /// Whether a sample is due between outputs: only for means (record.means).
     [[nodiscard]] bool samples(double time) const noexcept override {
-        return scene.run.means && !simulation.simulation().needs_settling() && recorder.samples(time);
+        return !simulation.simulation().needs_settling() && recorder.samples(time);
     }
     void sample(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
-        recorder.sample(time, workspace, counters);
+        api::translated(ErrorCode::record, [&] { recorder.sample(time, workspace, counters); });
     }
     void transition(const tasks::TransitionRecord& record) override {
         if (simulation.simulation().needs_settling()) return;

@@ -90,7 +90,9 @@ public:
     /// Whether the case ends when it is steady. Scalars are then those of whole pin periods.
     [[nodiscard]] bool by_periods() const noexcept { return means_.rule().limit > 0.0; }
     void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
-    [[nodiscard]] bool samples(double time) const noexcept override { return counts(time) && (due(time) || sections_.due(time)); }
+    [[nodiscard]] bool samples(double time) const noexcept override {
+        return counts(time) && (due(time) || sections_.due(time) || output_due(time));
+    }
     void sample(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord& /*record*/) override {}
     /// Writes scalars, their errors and the begin of the means. A scalar of a case that ended well must be finite.
@@ -104,6 +106,8 @@ private:
     };
     [[nodiscard]] bool counts(double time) const noexcept;
     [[nodiscard]] bool due(double time) const noexcept { return means_.curve().empty() || means_.curve().due(time, samples_per_pitch); }
+    /// Whether a step has ended at or behind an output at which none had to end.
+    [[nodiscard]] bool output_due(double time) const noexcept { return !by_periods() && time >= output_before_ + output_interval_; }
     void reduce(double time, const Workspace& workspace, const Counters& counters, const Occasion& when);
     void keep_early();
     [[nodiscard]] Reducer over_periods(std::size_t scalar, double begin) const;
@@ -113,6 +117,7 @@ private:
     const Sweep& sweep_;
     CaseSite* site_ = nullptr;
     int followed_pin_ = 0;
+    double output_interval_ = 0.0;   ///< infinite where steps end at outputs [s]
     double end_ = 0.0;               ///< time from which an output is the last [s]
     std::vector<Reducer> reducers_;  ///< [scalars], or of every pin period [periods x scalars]
     std::vector<Early> early_;       ///< states that early_count_ counts, then memory for reuse

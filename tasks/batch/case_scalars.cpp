@@ -26,6 +26,7 @@ void CaseScalars::observe(CaseSite& site, const RunSettings& run, double end) no
     site_ = &site;
     followed_pin_ = run.followed_pin;
     end_ = end - 1e-9 * run.output_interval;
+    output_interval_ = site.simulation.part().outputs_together() > 1 ? run.output_interval * (1.0 - 1e-9) : std::numeric_limits<double>::infinity();
 }
 
 void CaseScalars::seek_steady(const SteadyRule& rule) noexcept {
@@ -37,6 +38,7 @@ bool CaseScalars::counts(double time) const noexcept { return !site_->simulation
 
 void CaseScalars::sample(double time, const Workspace& workspace, const Counters& counters) {
     if (sections_.due(time)) sections_.add(time, workspace);
+    if (output_due(time)) return output(time, workspace, counters);
     if (due(time)) reduce(time, workspace, counters, by_periods() ? each_sample : Occasion{.sample = true});
 }
 

@@ -176,7 +176,7 @@ StartStates::State StartStates::settled(const Scene& scene, const engine::Cancel
     Simulation simulation(scene, schedule_of(scene.run, scene.parameters.chain.pins));
     SilentObserver silent;
     if (simulation.needs_settling()) {
-        if (const Fault fault = simulation.advance({.until = 0.0}, silent, cancel)) throw StartFault(fault);
+        if (const Fault fault = simulation.advance({.until = 0.0, .rows_between = true}, silent, cancel)) throw StartFault(fault);
     }
     const State state = std::make_shared<const engine::SavedState>(simulation.saved_state());
     std::filesystem::create_directories(folder_);

@@ -148,7 +148,7 @@ double settle_scene(const Scene& scene, const engine::OutputFile& state_file, co
     RunRecorder recorder(unsettled, simulation, quiet);
     recorder.begin_part(-unsettled.parameters.start.settling_time, 0.0);
     if (simulation.needs_settling()) {
-        if (const Fault fault = simulation.advance({.until = 0.0}, recorder, cancel)) throw SettlingFault(fault);
+        if (const Fault fault = simulation.advance({.until = 0.0, .rows_between = true}, recorder, cancel)) throw SettlingFault(fault);
     }
     engine::write_state(state_file, simulation.saved_state());
     return simulation.balance_error_ratio();

@@ -51,7 +51,7 @@ Fault RunLoop::part(double until, double& wall) {
     for (;;) {
         const auto started = std::chrono::steady_clock::now();
         pause_ = false;
-        const Fault fault = simulation_.advance({.until = until, .pause = &pause_}, *this, cancel_);
+        const Fault fault = simulation_.advance({.until = until, .rows_between = true, .pause = &pause_}, *this, cancel_);
         wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
         if (settling) history_.settling = simulation_.counters();
         if (fault.kind != FaultKind::cancelled || !pause_) return fault;

@@ -93,15 +93,21 @@ double record_bytes(const Scene& scene, const model::ChainModel& chain) {
            instants(scene, std::max(scene.run.state_interval, scene.run.output_interval)) * state;
 }
 
-void OutputMeans::add(double time, std::span<const double> row) {
+void RowSamples::between(double time, double next, std::span<const double> row, std::span<double> out) const {
+    const double share = (time - last_) / (next - last_);
+    for (std::size_t k = 0; k < row.size(); ++k) out[k] = (1.0 - share) * before_[k] + share * row[k];  // row where share is 1
+}
+
+void RowSamples::add(double time, std::span<const double> row) {
     const double half = any_ ? 0.5 * (time - last_) : 0.0;
-    for (std::size_t k = 0; k < row.size(); ++k) sum_[k] += half * (before_[k] + row[k]);
-    std::ranges::copy(row, before_.begin());
+    for (std::size_t k = 0; means_ && k < row.size(); ++k) sum_[k] += half * (before_[k] + row[k]);
+    std::copy_n(row.data(), row.size(), before_.data());
     if (!any_) begin_ = time;
     last_ = time, any_ = true;
 }
 
-void OutputMeans::take(std::span<double> row) {
+void RowSamples::take(std::span<double> row) {
+    if (!means_) return;
     const double span = last_ - begin_;
     for (std::size_t k = 0; k < row.size(); ++k) {
         if (averaged_[k] && span > 0.0) row[k] = sum_[k] / span;
@@ -110,10 +116,9 @@ void OutputMeans::take(std::span<double> row) {
     begin_ = last_;
 }
 
-void OutputMeans::visit(engine::Archive& archive) {
-    if (!on()) return;
-    archive("mean_begin", begin_), archive("mean_last", last_), archive("mean_any", any_);
-    archive("mean_before", std::span(before_)), archive("mean_sum", std::span(sum_));
+void RowSamples::visit(engine::Archive& archive) {
+    archive("row_begin", begin_), archive("row_sampled", last_), archive("row_any", any_);
+    archive("row_before", std::span(before_)), archive("row_sum", std::span(sum_));
 }
 
 RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options)
@@ -122,13 +127,17 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
       followed_pin_(scene.run.followed_pin),
       has_pulleys_(simulation.workspace().layout().pulley_size != 0),
       observer_(simulation.workspace().variator),
-      channels_(recorded_channels(scene)) {
+      channels_(recorded_channels(scene)),
+      between_(simulation.part().outputs_together() > 1),
+      output_interval_(scene.run.output_interval),
+      longest_step_(between_ ? simulation.part().step_choice()->longest() : 0.0) {
     std::vector<bool> averaged;
     for (const Channel* channel : channels_)
         averaged.insert(averaged.end(), static_cast<std::size_t>(channel->width(simulation.workspace().variator.chain())),
                         !channel->is(Channel::unaveraged));
     row_.resize(averaged.size());
-    if (scene.run.means) output_means_ = OutputMeans(std::move(averaged));
+    row_between_.resize(averaged.size());
+    samples_ = RowSamples(std::move(averaged), scene.run.means);
     means_.seek_steady(steady_rule(scene));
     if (!options.file.empty()) {
         run_ = options.from != nullptr && !options.from->run.empty() ? options.from->run : new_identity();
@@ -159,12 +168,38 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
     ++outputs_;
     add_sample(means_, now, workspace, time);
     if (!file_) return;
-    read({now, workspace, counters, followed_pin_, observer_});
-    if (output_means_.on()) output_means_.add(time, row_), output_means_.take(row_);
-    write(time, workspace);
+    read(time, workspace, counters);
+    if (between_ && samples_.any()) {
+        add_between(time, workspace);
+        if (time != workspace.step.output) return;  // a call ends here
+    } else {
+        samples_.add(time, row_);
+        write(time, row_);
+        next_output_ = time + output_interval_;
+    }
+    write_state(time, workspace);
 }
 
-void RunRecorder::read(const Instant& instant) {
+bool RunRecorder::near_output(double time) const noexcept {
+    return time > next_output_ || next_output_ - time < longest_step_ * (1.0 + 1e-9);
+}
+
+void RunRecorder::add_between(double time, const Workspace& workspace) {
+    constexpr double close = 1e-6;  // an output this near the end of a step is there [intervals]
+    const double exact = workspace.step.output, from = (samples_.last() - exact) / output_interval_;
+    double number = std::floor(from + close) + 1.0;
+    for (; samples_.any() && number <= (time - exact) / output_interval_ + close; ++number) {
+        const double due = exact + number * output_interval_;
+        samples_.between(due, time, row_, row_between_);
+        samples_.add(due, row_between_);
+        write(due, row_between_);
+    }
+    next_output_ = exact + number * output_interval_;
+    samples_.add(time, row_);
+}
+
+void RunRecorder::read(double time, const Workspace& workspace, const Counters& counters) {
+    const Instant instant{workspace.observed_by(observer_, time), workspace, counters, followed_pin_, observer_};
     double* next = row_.data();
     for (const Channel* channel : channels_) {
         channel->read(instant, next);
@@ -172,9 +207,13 @@ void RunRecorder::read(const Instant& instant) {
     }
 }
 
-void RunRecorder::write(double time, const Workspace& workspace) {
-    file_->append(time, row_);
-    written_.channels.add(time, row_);
+void RunRecorder::write(double time, std::span<double> row) {
+    samples_.take(row);
+    file_->append(time, row);
+    written_.channels.add(time, row);
+}
+
+void RunRecorder::write_state(double time, const Workspace& workspace) {
     if (time < next_state_ - 1e-9 * state_interval_) return;
     while (next_state_ <= time + 1e-9 * state_interval_) next_state_ += state_interval_;
     const auto* phases = reinterpret_cast<const std::uint8_t*>(workspace.tips.phases.data());
@@ -192,18 +231,19 @@ void RunRecorder::transition(const TransitionRecord& record) {
 }
 
 void RunRecorder::sample(double time, const Workspace& workspace, const Counters& counters) {
-    const model::Observation& now = workspace.observed_by(observer_, time);
-    add_sample(means_, now, workspace, time);
-    if (!output_means_.on()) return;
-    read({now, workspace, counters, followed_pin_, observer_});
-    output_means_.add(time, row_);
+    const bool due = means_.curve().due(time);
+    if (due) add_sample(means_, workspace.observed_by(observer_, time), workspace, time);
+    const bool again = samples_.any() && time <= samples_.last();  // by a run that continues here
+    if (!file_ || again || !(between_ ? near_output(time) : samples_.means())) return;
+    read(time, workspace, counters);
+    between_ ? add_between(time, workspace) : samples_.add(time, row_);
 }
 
 void RunRecorder::visit(engine::Archive& archive) {
     for (engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]})
         archive("rows", rows->count), archive("rows_sum", rows->sum);
     archive("next_state", next_state_), archive("rows_of_outputs", outputs_);
-    output_means_.visit(archive);
+    if (samples_.means() || between_) samples_.visit(archive), archive("next_output", next_output_);
     means_.visit(archive);
 }
 

@@ -15,14 +15,18 @@ namespace cvtflow::tasks {
 /// Rows and states of a whole run, before they are compressed [byte].
 [[nodiscard]] double record_bytes(const Scene& scene, const model::ChainModel& chain);
 
-/// Means of channels over the time since the output before, by the trapezoidal rule over samples. Without columns it does nothing.
-class OutputMeans {
+/// Channels between samples at the ends of steps, where they are linear: values at outputs, or means over the time since the output before.
+class RowSamples {
 public:
-    OutputMeans() = default;
-    /// @param averaged columns of which means are taken
-    explicit OutputMeans(std::vector<bool> averaged) : averaged_(std::move(averaged)), before_(averaged_.size()), sum_(averaged_.size()) {}
+    /// @param averaged columns that are averages where means are taken   @param means  outputs are means
+    RowSamples(std::vector<bool> averaged, bool means)
+        : averaged_(std::move(averaged)), means_(means), before_(averaged_.size()), sum_(averaged_.size()) {}
 
-    [[nodiscard]] bool on() const noexcept { return !averaged_.empty(); }
+    [[nodiscard]] bool means() const noexcept { return means_; }
+    [[nodiscard]] bool any() const noexcept { return any_; }
+    [[nodiscard]] double last() const noexcept { return last_; }  ///< time of the latest sample [s]
+    /// Values at a time between the latest sample and the next one. time, next [s]; row, out [columns]
+    void between(double time, double next, std::span<const double> row, std::span<double> out) const;
     /// Values of all columns at a time between outputs, or at one [s].
     void add(double time, std::span<const double> row);
     /// Replaces values by means at an output, which has been added; the next mean begins there.
@@ -31,6 +35,7 @@ public:
 
 private:
     std::vector<bool> averaged_;
+    bool means_;
     double begin_ = 0.0, last_ = 0.0;  ///< times of the begin of the mean and of the latest sample [s]
     bool any_ = false;
     std::vector<double> before_, sum_;  ///< [columns]: values [unit of the channel], integrals [unit s]
@@ -41,7 +46,10 @@ public:
     RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options);
 
     void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
-    [[nodiscard]] bool samples(double time) const noexcept override { return begin_ >= 0.0 && means_.curve().due(time); }
+    /// An output that steps do not end at is between two samples.
+    [[nodiscard]] bool samples(double time) const noexcept override {
+        return begin_ >= 0.0 && (means_.curve().due(time) || (file_ && between_ && near_output(time)));
+    }
     void sample(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord& record) override;
     /// Means so far: whether the run should end because they are steady.
@@ -60,8 +68,13 @@ public:
 
 private:
     void visit(engine::Archive& archive);
-    void read(const Instant& instant);                    ///< the channels into the row
-    void write(double time, const Workspace& workspace);  ///< time [s]
+    /// Whether an output lies within a step before or after a time [s].
+    [[nodiscard]] bool near_output(double time) const noexcept;
+    void read(double time, const Workspace& workspace, const Counters& counters);  ///< the channels into the row. time [s]
+    /// Writes the outputs between the latest sample and the present one, and adds it. time [s]
+    void add_between(double time, const Workspace& workspace);
+    void write(double time, std::span<double> row);             ///< an output that has been added. time [s], row [columns]
+    void write_state(double time, const Workspace& workspace);  ///< time [s]
 
     const RunOptions& options_;
     double state_interval_;  ///< [s]
@@ -70,7 +83,12 @@ private:
     model::Observer observer_;
     std::vector<const Channel*> channels_;
     std::vector<double> row_;  ///< one number per column of the channels [columns]
-    OutputMeans output_means_;
+    std::vector<double> row_between_;  ///< [columns]
+    RowSamples samples_{{}, false};
+    bool between_;            ///< outputs may lie between ends of steps
+    double output_interval_;  ///< [s]
+    double longest_step_;     ///< [s]
+    double next_output_ = 0.0;         ///< where outputs lie between ends of steps: the first one after the latest sample [s]
     std::string run_;
     engine::FormerRecord former_;  ///< the rows before the checkpoint
     engine::RunContents contents_;

@@ -99,12 +99,16 @@ Fault RunPart::advance(const Goal& goal, RunObserver& observer, const engine::Ca
     return fault;
 }
 
+long RunPart::outputs_together() const noexcept {
+    return integrator_.method().at_transition() == AtTransition::inside ? scene_.run.outputs_together() : 1;
+}
+
 StepSettings RunPart::settings_of(const Goal& goal) const {
     const RunSettings& run = scene_.run;
     StepSettings settings{.begin = time_,
                           .until = goal.until,
                           .step = run.step,
-                          .output_interval = run.output_interval,
+                          .output_interval = run.output_interval * static_cast<double>(goal.rows_between ? outputs_together() : 1),
                           .max_steps = run.max_steps,
                           .max_wall = goal.max_wall.value_or(run.max_wall),
                           .control = run.step_control,
@@ -115,7 +119,7 @@ StepSettings RunPart::settings_of(const Goal& goal) const {
         const double duration = scene_.parameters.start.settling_time;
         settings.begin = -duration;
         settings.until = std::min(goal.until, 0.0);
-        settings.output_interval = duration / std::max(1.0, std::ceil(duration / run.output_interval * (1.0 - 1e-12)));
+        settings.output_interval = duration / std::max(1.0, std::ceil(duration / settings.output_interval * (1.0 - 1e-12)));
     }
     if (goal.steps > 0) settings.max_steps = goal.steps;
     if (!saved_.started || goal.new_part) return settings;

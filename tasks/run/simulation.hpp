@@ -32,6 +32,7 @@ struct Goal {
     long steps = 0;                       ///< maximum of further steps, besides run.max_steps, whose fault it shares; 0: no limit
     bool new_part = false;                ///< begins another part at the present time, with new output times and counters, settled or not
     std::optional<double> max_wall = {};  ///< replaces run.max_wall; 0: no budget [s]
+    bool rows_between = false;            ///< from its begin on: of outputs_together(), the observer finds those between ends of steps
     const bool* pause = nullptr;          ///< ends before the next step once it is true, with a Fault of kind cancelled; set by an observer
 };
 
@@ -69,6 +70,8 @@ public:
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// Choice of automatic steps, with its last estimate; nullptr: run.step is given.
     [[nodiscard]] const AutoStep* step_choice() const noexcept { return choice_.get(); }
+    /// RunSettings::outputs_together() with leapfrogs; other methods end steps at all outputs.
+    [[nodiscard]] long outputs_together() const noexcept;
 
 private:
     [[nodiscard]] StepSettings settings_of(const Goal& goal) const;

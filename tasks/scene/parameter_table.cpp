@@ -427,7 +427,7 @@ std::span<const Parameter> parameter_table() {
      "Largest error of means for run.until = \"steady\", relative to each; of the efficiency relative to the losses, or a fiftieth of it."},
     {"run.steady_limit", "1", 1, 200, {}, of<&RunSettings::steady_limit>,
      "Longest run with run.until = \"steady\", in revolutions of the chain; a run that is not steady then ends as not_steady."},
-    {"run.output_interval", "s", 1e-12, 1e4, {}, of<&RunSettings::output_interval>, "Time between records of the channels."},
+    {"run.output_interval", "s", 1e-12, 1e4, {}, of<&RunSettings::output_interval>, "Time between records of the channels; closer ones than 50 us are interpolated between automatic steps."},
     {"run.state_interval", "s", 1e-12, 1e4, {}, of<&RunSettings::state_interval>,
      "Time between records of the full state; at outputs, so at each where it is shorter than run.output_interval."},
     {"run.max_steps", "1", 0, 9007199254740992, {}, of<&RunSettings::max_steps>, "The run stops after this many steps; 0: no limit."},

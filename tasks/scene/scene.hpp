@@ -7,6 +7,7 @@
 ///     scene.toml:14:9: chain.pitch: 8.12 m is outside [1e-3, 5e-2] m (did you mean "8.12 mm"?)
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -75,6 +76,14 @@ struct RunSettings {
     std::uint64_t seed = 0;             ///< seed of all that is drawn by chance
     std::vector<std::string> channels;  ///< recorded beside the usual ones: names, or groups such as "tips/*"
     bool means = false;                 ///< an output is the mean since the one before, and not of its instant
+
+    /// Outputs from one at which a step ends to the next: those of automatic steps that are closer than 50 us lie between, unless whole
+    /// states are recorded there.
+    [[nodiscard]] long outputs_together() const noexcept {
+        constexpr double apart = 50e-6;
+        const bool between = step.automatic() && step_control == StepControl::fixed && state_interval >= apart;
+        return between ? static_cast<long>(std::ceil(apart / output_interval * (1.0 - 1e-12))) : 1;
+    }
     bool operator==(const RunSettings&) const = default;
 };
 

@@ -80,6 +80,7 @@ enum class AtTransition {
 struct alignas(model::cache_line) StepInput {
     double time = 0.0;                                       ///< t at the step's start [s]
     double h = 0.0;                                          ///< length of the step [s]
+    double output = 0.0;                                     ///< last time at which a step had to end, for an output [s]
     double dwell = 0.0;                                      ///< minimum time between two phase changes of a tip [s]
     double search_until = 0.0;                               ///< end of the proposed step; transitions are searched for up to here [s]
     engine::PlanStep row{};                                  ///< stage or result that an evaluate cycle combines

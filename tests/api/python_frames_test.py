@@ -68,6 +68,28 @@ class Recordings(Folder):
         self.assertEqual(record.channels.shaft_1.torque[-1], simulation.channels.shaft_1.torque)
         self.assertEqual(repr(record.channels.info["slip"]), repr(simulation.channels.info["slip"]))
 
+    def test_outputs_between_the_ends_of_steps(self):
+        """Nothing of a run depends on close outputs, and they not on where calls end; they are within an output's change of short steps'."""
+
+        def rows(interval, ends, **more):
+            simulation = cvtflow.Simulation(cvtflow.Scene({"name": "rigid", "detail.level": "rigid", "run.output_interval": interval,
+                                                           "start.settling_time": "6 ms", **more}))
+            with cvtflow.Recording(simulation, self.file, replace=True):
+                for end in ends:
+                    simulation.advance_to(end)
+            record = cvtflow.Record(self.file)
+            return {name: np.array(record[name]) for name in record}
+
+        apart, close, called = rows("50 us", ["1 ms"]), rows("10 us", ["1 ms"]), rows("10 us", np.arange(1, 140) * 7.3e-6)
+        short = rows("10 us", ["1 ms"], **{"run.step": "1 us"})
+        np.testing.assert_allclose(close["time"], 1e-5 * np.arange(101), rtol=1e-12)
+        for name, values in close.items():
+            np.testing.assert_array_equal(values[::5], apart[name], err_msg=name)
+            np.testing.assert_array_equal(values, called[name][:101], err_msg=name)
+        for name in ("tight_tension", "slip", "shaft_2/speed", "loss/tip_friction"):
+            change = np.abs(np.diff(short[name])).max()
+            self.assertLess(np.abs(close[name] - short[name]).max(), 0.5 * change, name)
+
     def test_calls_that_end_between_outputs_add_no_rows(self):
         simulation = cvtflow.Simulation(tiny('start.state=""'))
         with cvtflow.Recording(simulation, self.file):

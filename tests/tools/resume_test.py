@@ -61,12 +61,13 @@ class Resume(Program):
         self.assertFalse(has("r.h5"))
         self.has(self.out("info r.h5.part"), "running (still being written, or left by a killed run)")
 
-    def test_in_a_mean_or_before_or_after_a_sheave_is_held_continues_bit_for_bit(self):
+    def test_in_a_mean_between_outputs_or_around_a_sheave_that_is_held_continues_bit_for_bit(self):
         means = ("tiny -q --set run.method=auto --until '2 ms' --set 'run.output_interval=0.5 ms' --set 'run.state_interval=1 ms' --set "
                  "record.means=true")
         steady = ("control -q --set detail.level=rigid --set start.state= --set 'start.settling_time=10 ms' --set 'drive.speed=4000 rpm' "
                   "--set 'run.steady=20 %' --set control.when_steady=hold --until steady")
-        for scene, cuts in ((means, (1000,)), (steady, (2000, 3800, 9000))):
+        between = "baseline -q --set detail.level=rigid --set 'start.settling_time=6 ms' --until 8ms --set 'run.output_interval=10 us'"
+        for scene, cuts in ((means, (1000,)), (between, (870, 950, 1033)), (steady, (2000, 3800, 8500))):
             self.cvtflow(f"run {scene} -o whole.h5 --force")
             for steps in cuts:
                 self.cvtflow(f"run {scene} -o cut.h5 --force --checkpoint-every '1 h' --set run.max_steps={steps}", 4)

@@ -195,7 +195,7 @@ class RigidPins(Program):
     def test_are_reliable_at_the_automatic_steps_of_a_small_machine(self):
         """A start that settles begins with a jolt which steps of 5 us do not resolve, and which is no reason to call the run unreliable;
         friction counts in the steps of tables, which a start changes faster than 20 ms: estimates as for other pins."""
-        for method, step in (("auto", "step 5e-06 s (auto"), ("rk4", "(auto")):
+        for method, step in (("auto", "step 7.143e-06 s (auto"), ("rk4", "(auto")):
             self.has(text := self.out(f"run tiny --detail rigid --method {method} -o none"), step)
             self.lacks(text, "unreliable")
 

@@ -199,6 +199,7 @@ Fault StepController::check_budget() const {
 bool StepController::deliver_output() {
     counters_.evaluations = w_.step.evaluations;
     const bool due = w_.step.time == grid_.here() && grid_.at_output(outputs_);
+    w_.step.output = grid_.leg_begin();
     const bool over = w_.step.time >= settings_.until - 1e-9 * settings_.output_interval;
     if (due) {  // not where a call ends: no result depends on that
         w_.energy.output(w_.step.time, shaft_momentum(w_));

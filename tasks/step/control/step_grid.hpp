@@ -22,6 +22,8 @@ struct StepGrid {
     [[nodiscard]] double leg_length() const noexcept { return output_interval / static_cast<double>(legs_per_output); }
     /// Times of the present point and of the next one [s].
     [[nodiscard]] double here() const noexcept { return time(leg, point); }
+    /// Begin of the present leg [s].
+    [[nodiscard]] double leg_begin() const noexcept { return time(leg, 0); }
     [[nodiscard]] double next() const noexcept { return point + 1 < steps_per_leg ? time(leg, point + 1) : time(leg + 1, 0); }
     [[nodiscard]] bool at_output(long outputs) const noexcept { return point == 0 && leg == outputs * legs_per_output; }
     /// Steps from the present point to the output after `outputs` ones; between outputs infinite where nothing is known of their lengths.

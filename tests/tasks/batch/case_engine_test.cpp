@@ -100,8 +100,8 @@ TEST_F(CaseOfAWorker, MeansDoNotDependOnTheOutputInterval) {
 /// 12 ms are 4.6 pin periods of a machine under way: means over all of them differ by 1 to 3 % from those of whole periods.
 TEST_F(CaseOfAWorker, AveragesOverTheWholePinPeriodsOfTheSummary) {
     std::ofstream(folder_ / "s.toml")
-        << "[sweep]\nscene = \"tiny\"\ndetail = \"rigid\"\n[set]\nrun.until = \"12 ms\"\n[[axes]]\nkey = "
-           "\"load.torque\"\nvalues = [\"8 N*m\"]\n[outputs]\nscalars = [\"slip mean\", \"tight_tension mean\", "
+        << "[sweep]\nscene = \"tiny\"\ndetail = \"rigid\"\n[set]\nrun.until = \"12 ms\"\nrun.output_interval = \"50 us\"\n"
+           "[[axes]]\nkey = \"load.torque\"\nvalues = [\"8 N*m\"]\n[outputs]\nscalars = [\"slip mean\", \"tight_tension mean\", "
            "\"efficiency mean\", \"shaft_2/chain_torque mean\"]\n";
     const Sweep sweep = written();
     Worker worker(sweep, folder_);
