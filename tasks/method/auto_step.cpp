@@ -94,7 +94,8 @@ void AutoStep::find_limit(SpectralBound& part, double time, const double* state,
     constexpr int most_trials = 10;
     constexpr double close = 1.02;
     const bool waves = filter_ > 0.0 && &part == &damped_parts_.back();
-    if (waves && part.step() > 0.0 && time - begun_ > waves_change) return;
+    const bool loaded = time - begun_ > waves_change && model::ramp(start_, 0.5 * (begun_ + time)) >= 1.0;
+    if (waves && part.step() > 0.0 && loaded) return;
     part.forget();
     part.take(longest_ / sharp_margin, false);
     if (waves) evaluations_ += part.estimate_at_rest(time, state, phases);

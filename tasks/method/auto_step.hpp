@@ -109,8 +109,8 @@ private:
     /// Time after a rise of the clamping until damping is estimated again, and whenever it has doubled [s].
     static constexpr double soonest_after_rise = 0.25e-3;
 
-    /// Time after the beginning or a rise after which filtered waves, which are the links' own, keep their limit [s].
-    static constexpr double waves_change = 2.5e-3;
+    /// Time after the beginning or a rise after which filtered waves, which are the links' own, keep their limit, once loads are full [s].
+    static constexpr double waves_change = 1.2e-3;
 
     /// An iteration of two evaluations in every such time [s]: 4 of 35 steps of 7.1 us. The 15 of an estimate are complete within 4 ms.
     static constexpr double turn_interval = 250e-6;
