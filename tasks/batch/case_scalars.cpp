@@ -26,7 +26,8 @@ void CaseScalars::observe(CaseSite& site, const RunSettings& run, double end) no
     site_ = &site;
     followed_pin_ = run.followed_pin;
     end_ = end - 1e-9 * run.output_interval;
-    output_interval_ = site.simulation.part().outputs_together() > 1 ? run.output_interval * (1.0 - 1e-9) : std::numeric_limits<double>::infinity();
+    output_interval_ =
+        site.simulation.part().outputs_together() > 1 ? run.output_interval * (1.0 - 1e-9) : std::numeric_limits<double>::infinity();
 }
 
 void CaseScalars::seek_steady(const SteadyRule& rule) noexcept {

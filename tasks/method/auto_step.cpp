@@ -212,7 +212,8 @@ LargestStep AutoStep::largest() const noexcept {
     const LargestStep limits[] = {
         {share * within(reach_.oscillation, bound_.imaginary()), StepLimiter::oscillation, bound_.imaginary()},
         {share * within(reach_.decay, bound_.real()), StepLimiter::decay, bound_.real()},
-        {share * damped_, share * damped_ < longest_ * (1.0 - 1e-9) || friction_matters_ ? StepLimiter::damping : StepLimiter::error, fastest},
+        {share * damped_, share * damped_ < longest_ * (1.0 - 1e-9) || friction_matters_ ? StepLimiter::damping : StepLimiter::error,
+         fastest},
         {within(reach_.accurate, bound_.imaginary()), StepLimiter::accuracy, bound_.imaginary()},
         {within(accurate_growth, growth_), StepLimiter::growth, growth_},
     };

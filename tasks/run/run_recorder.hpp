@@ -82,13 +82,13 @@ private:
     bool has_pulleys_;
     model::Observer observer_;
     std::vector<const Channel*> channels_;
-    std::vector<double> row_;  ///< one number per column of the channels [columns]
+    std::vector<double> row_;          ///< one number per column of the channels [columns]
     std::vector<double> row_between_;  ///< [columns]
     RowSamples samples_{{}, false};
-    bool between_;            ///< outputs may lie between ends of steps
-    double output_interval_;  ///< [s]
-    double longest_step_;     ///< [s]
-    double next_output_ = 0.0;         ///< where outputs lie between ends of steps: the first one after the latest sample [s]
+    bool between_;              ///< outputs may lie between ends of steps
+    double output_interval_;    ///< [s]
+    double longest_step_;       ///< [s]
+    double next_output_ = 0.0;  ///< where outputs lie between ends of steps: the first one after the latest sample [s]
     std::string run_;
     engine::FormerRecord former_;  ///< the rows before the checkpoint
     engine::RunContents contents_;

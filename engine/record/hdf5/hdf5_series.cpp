@@ -132,8 +132,7 @@ int require_record_type(hid_t type, const std::string& what) {
 
 void RowBlock::add(Handle dataset, const SeriesShape& shape) {
     const std::size_t row_bytes = H5Tget_size(shape.type) * shape.width;
-    members_.push_back(
-        {std::move(dataset), shape.width, row_bytes, std::make_unique_for_overwrite<std::byte[]>(row_bytes * capacity_)});
+    members_.push_back({std::move(dataset), shape.width, row_bytes, std::make_unique_for_overwrite<std::byte[]>(row_bytes * capacity_)});
     image_.resize(std::max(image_.size(), row_bytes * chunk_ + sizeof(std::uint32_t)));
 }
 
