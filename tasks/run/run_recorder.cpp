@@ -168,7 +168,7 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
     ++outputs_;
     add_sample(means_, now, workspace, time);
     if (!file_) return;
-    read(time, workspace, counters);
+    read({now, workspace, counters, followed_pin_, observer_});
     if (between_ && samples_.any()) {
         add_between(time, workspace);
         if (time != workspace.step.output) return;  // a call ends here
@@ -198,8 +198,7 @@ void RunRecorder::add_between(double time, const Workspace& workspace) {
     samples_.add(time, row_);
 }
 
-void RunRecorder::read(double time, const Workspace& workspace, const Counters& counters) {
-    const Instant instant{workspace.observed_by(observer_, time), workspace, counters, followed_pin_, observer_};
+void RunRecorder::read(const Instant& instant) {
     double* next = row_.data();
     for (const Channel* channel : channels_) {
         channel->read(instant, next);
@@ -231,11 +230,11 @@ void RunRecorder::transition(const TransitionRecord& record) {
 }
 
 void RunRecorder::sample(double time, const Workspace& workspace, const Counters& counters) {
-    const bool due = means_.curve().due(time);
-    if (due) add_sample(means_, workspace.observed_by(observer_, time), workspace, time);
+    const model::Observation& now = workspace.observed_by(observer_, time);
+    if (means_.curve().due(time)) add_sample(means_, now, workspace, time);
     const bool again = samples_.any() && time <= samples_.last();  // by a run that continues here
     if (!file_ || again || !(between_ ? near_output(time) : samples_.means())) return;
-    read(time, workspace, counters);
+    read({now, workspace, counters, followed_pin_, observer_});
     between_ ? add_between(time, workspace) : samples_.add(time, row_);
 }
 

@@ -70,7 +70,7 @@ private:
     void visit(engine::Archive& archive);
     /// Whether an output lies within a step before or after a time [s].
     [[nodiscard]] bool near_output(double time) const noexcept;
-    void read(double time, const Workspace& workspace, const Counters& counters);  ///< the channels into the row. time [s]
+    void read(const Instant& instant);  ///< the channels into the row
     /// Writes the outputs between the latest sample and the present one, and adds it. time [s]
     void add_between(double time, const Workspace& workspace);
     void write(double time, std::span<double> row);             ///< an output that has been added. time [s], row [columns]
