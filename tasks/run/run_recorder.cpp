@@ -86,10 +86,13 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainModel& cha
 }  // namespace
 
 double record_bytes(const Scene& scene, const model::ChainModel& chain) {
-    double width = 1.0;  // its time
-    for (const Channel* channel : recorded_channels(scene)) width += channel->width(chain);
+    double row = sizeof(double);  // its time
+    for (const Channel* channel : recorded_channels(scene)) {
+        const int width = channel->width(chain);
+        row += width > 1 ? sizeof(float) * width : sizeof(double);
+    }
     const double state = sizeof(double) * (1.0 + chain.layout().size()) + model::tips_per_link * chain.layout().links;
-    return instants(scene, scene.run.output_interval) * sizeof(double) * width +
+    return instants(scene, scene.run.output_interval) * row +
            instants(scene, std::max(scene.run.state_interval, scene.run.output_interval)) * state;
 }
 

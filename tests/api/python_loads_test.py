@@ -47,7 +47,7 @@ class Wear(Folder):
         power = record["loss/tip_friction"]
         rubbed = 0.5 * np.diff(time) @ (power[1:] + power[:-1])
         self.assertGreater(rubbed, 0.0)
-        self.assertAlmostEqual(worn["energy"].sum() * ring, rubbed, delta=1e-9 * rubbed)
+        self.assertAlmostEqual(worn["energy"].sum() * ring, rubbed, delta=6e-8 * rubbed, msg="forces of tips are floats")
         volume = 1e-16 * 0.5 * np.diff(time) @ (record["wear/force_speed"][1:] + record["wear/force_speed"][:-1]) * 3.6e6 / time[-1]
         band = 2.0 * np.pi * worn["radius"] * ring / np.cos(tiny()["tip.angle"])  # of a cone
         np.testing.assert_allclose(worn["sheave_depth"] * band, volume.reshape(4, -1), rtol=1e-12)

@@ -76,7 +76,8 @@ def write(name, text):
 def channel(record, name):
     """Rows of a channel, of another dataset of a record ("/states/y"), or of a record that is being written."""
     with h5py.File(record, "r", locking=False) as file:
-        return file[name if name.startswith("/") else "channels/" + name][:]
+        rows = file[name if name.startswith("/") else "channels/" + name][:]
+        return rows.astype(float) if rows.dtype == "float32" else rows
 
 
 def contents(record):

@@ -68,7 +68,7 @@ void Series::require_type(Cells cells) const {
     const Handle type(H5Dget_type(id()), H5Tclose, "cannot read the type of '" + path_ + "'");
     const H5T_class_t kind = H5Tget_class(type.id());
     const std::size_t size = H5Tget_size(type.id());
-    if (cells == Cells::reals && (kind != H5T_FLOAT || size != sizeof(double))) fail("it is not of float64");
+    if (cells == Cells::reals && (kind != H5T_FLOAT || (size != sizeof(double) && size != sizeof(float)))) fail("it is not of reals");
     if (cells == Cells::bytes && (kind != H5T_INTEGER || size != 1)) fail("it is not of uint8");
     if (cells == Cells::records) require_record_type(type.id(), "cannot read '" + path_ + "'");
 }
@@ -139,6 +139,16 @@ void RowBlock::add(Handle dataset, const SeriesShape& shape) {
 void RowBlock::put(std::size_t member, const void* row) noexcept {
     Member& target = members_[member];
     std::memcpy(target.rows.get() + (taken_ - first_) * target.row_bytes, row, target.row_bytes);
+}
+
+void RowBlock::put_rounded(std::size_t member, std::span<double> row) noexcept {
+    Member& target = members_[member];
+    std::byte* const rounded = target.rows.get() + (taken_ - first_) * target.row_bytes;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+        const auto value = static_cast<float>(row[k]);
+        std::memcpy(rounded + k * sizeof value, &value, sizeof value);
+        row[k] = value;
+    }
 }
 
 void RowBlock::write() {

@@ -28,7 +28,7 @@ struct SeriesShape {
 [[nodiscard]] Handle open_series(hid_t file, const std::string& path);
 
 /// Required type of elements.
-enum class Cells { reals, bytes, records };  ///< float64; 8-bit integers; compounds of 8-byte numbers
+enum class Cells { reals, bytes, records };  ///< float64 or float32; 8-bit integers; compounds of 8-byte numbers
 
 /// A dataset that is read.
 class Series {
@@ -85,6 +85,8 @@ public:
     void add(Handle dataset, const SeriesShape& shape);
     /// Copies one row of one dataset into memory.
     void put(std::size_t member, const void* row) noexcept;
+    /// The same for reals that are floats in the file: rounds them.
+    void put_rounded(std::size_t member, std::span<double> row) noexcept;
     /// Completes the row of which every member has been put.
     void advance() noexcept { ++taken_; }
     /// Whether the memory is full: write() before the next put().

@@ -205,14 +205,15 @@ RunFile::~RunFile() {
     impl_->release();
 }
 
-void RunFile::append(double time, std::span<const double> values) {
+void RunFile::append(double time, std::span<double> values) {
     impl_->require_open();
     impl_->require_size(values.size(), impl_->values_per_row, "channels");
     impl_->prepare(impl_->channels);
-    const double* next = values.data();
+    double* next = values.data();
     std::size_t member = 0;
     for (const ChannelInfo& channel : impl_->contents.channels) {
-        impl_->channels.put(member++, next);
+        const std::span row(next, static_cast<std::size_t>(channel.width));
+        channel.width > 1 ? impl_->channels.put_rounded(member++, row) : impl_->channels.put(member++, next);
         next += channel.width;
     }
     impl_->channels.put(member, &time);

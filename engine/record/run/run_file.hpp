@@ -2,7 +2,8 @@
 /// The record of a run: channels over time, states, tables of events, attributes, in one HDF5 file.
 ///
 ///     /                     attributes: format "cvtflow run", format_version, status, and those given
-///     /channels/time  [n] s    /channels/<name>  [n] or [n, width]; attributes units, description, index, axis; scales: time, axis
+///     /channels/time  [n] s    /channels/<name>  [n] or [n, width] (float32); attributes units, description, index, axis; scales: time,
+///                           axis
 ///     /states/time    [m] s    /states/y  [m, state_size]    /states/phases  [m, phase_count] (uint8)
 ///     /tables/<name>  [k] compound of float64 and int64; attributes description, units[], descriptions[] (one per column)
 ///     /<axis>         scale of a second dimension, without numbers: /link, /tip, /unknown, /phase, …
@@ -57,8 +58,9 @@ public:
     RunFile(const RunFile&) = delete;
     RunFile& operator=(const RunFile&) = delete;
 
-    /// One row of all channels. @param time [s] @param values all channels concatenated in order of declaration
-    void append(double time, std::span<const double> values);
+    /// One row of all channels. @param time [s] @param values all channels concatenated in order of declaration; those of a channel with
+    /// several are rounded to floats here, as they are in the file
+    void append(double time, std::span<double> values);
     /// @param time [s] @param state state_size values @param phases phase_count values
     void append_state(double time, std::span<const double> state, std::span<const std::uint8_t> phases);
     /// One row of a table. Integer columns take whole numbers of magnitude below 2^53. values [columns]

@@ -125,7 +125,8 @@ RunLayout run_layout(const RunContents& contents, const RunFileOptions& options)
     layout.channels.rows = rows;
     for (const ChannelInfo& channel : contents.channels) {
         const auto width = static_cast<std::size_t>(channel.width);
-        layout.channels.series.push_back({"/channels/" + channel.name, H5T_NATIVE_DOUBLE, width, width == 1, chunk});
+        layout.channels.series.push_back(
+            {"/channels/" + channel.name, width > 1 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE, width, width == 1, chunk});
     }
     layout.channels.series.push_back({.path = "/channels/time", .type = H5T_NATIVE_DOUBLE, .chunk = chunk});
     if (contents.state_size > 0) {

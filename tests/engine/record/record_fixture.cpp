@@ -47,7 +47,10 @@ RunContents example_contents() {
             .attributes = {{"scene", std::string("baseline")}, {"pins", std::int64_t{84}}, {"pitch", 8.12e-3}}};
 }
 
-void append_example(RunFile& file, int i) { file.append(i / 1000.0, std::array{1.0 * i, -1.0 * i, 10.0 * i, 10.0 * i + 1, 10.0 * i + 2}); }
+void append_example(RunFile& file, int i) {
+    std::array row{1.0 * i, -1.0 * i, 10.0 * i, 10.0 * i + 1, 10.0 * i + 2};
+    file.append(i / 1000.0, row);
+}
 
 void append_example_state(RunFile& file, int i) {
     file.append_state(i / 10.0, std::array{i + 0.25, i + 0.5, i + 0.75, i + 1.0},

@@ -213,7 +213,8 @@ TEST_F(RunFileTest, RefusesContentsThatContradictAndLeavesNoFile) {
 TEST_F(RunFileTest, RefusesRowsOfTheWrongShape) {
     RunFile file(path("out.h5"), example_contents());
     const std::string part = path("out.h5.part") + ": cannot write: ";
-    EXPECT_EQ(error_of([&] { file.append(0.0, std::array{1.0}); }), part + "1 values of channels, not 5");
+    std::array few{1.0};
+    EXPECT_EQ(error_of([&] { file.append(0.0, few); }), part + "1 values of channels, not 5");
     EXPECT_EQ(error_of([&] { file.append_state(0.0, std::array{1.0}, {}); }), part + "1 values of a state, not 4");
     EXPECT_EQ(error_of([&] { file.append_row("transitions", std::array{1.0}); }), part + "1 values of a table's row, not 2");
     EXPECT_EQ(error_of([&] { file.append_row("events", std::array{1.0}); }), part + "no table 'events'");

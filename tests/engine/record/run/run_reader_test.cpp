@@ -115,7 +115,7 @@ print(t.dtype.names, t["pin"], t["pin"].dtype, list(t.attrs["units"]), list(t.at
 )";
     EXPECT_EQ(python(program, example()),
               "b'cvtflow run' b'finished' b'baseline' 84 0.00812\n"
-              "b'N' | b'tension of every link' (10, 3) float64 [('time', '/channels/time'), ('link', '/link')]\n"
+              "b'N' | b'tension of every link' (10, 3) float32 [('time', '/channels/time'), ('link', '/link')]\n"
               "True b'DIMENSION_SCALE' b's'\n"
               "(10,) time 0.003\n"
               "(5, 4) [0.  0.1 0.2 0.3 0.4] /unknown uint8 [4 1]\n"
