@@ -7,6 +7,7 @@ target everywhere is taken; what ends early or does not close its energy balance
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import random
@@ -25,8 +26,9 @@ from ._simulation import Simulation, Threads
 from ._sweep_file import SweepFile, file_text
 
 MARGIN = 2.0  # errors at an untried point may be larger by this factor
-LONE_MARGIN = 4.0  # likewise where one point is tried: it may happen to be one of small errors (measured within 5 % of it: 0.9 to 3.4 times)
-CONVERGED = 0.25  # largest difference of a reference to one with twice its step, as a share of the target over MARGIN
+_POINTS = 3  # at least: within 5 % of a settled point, where the machine shifts, errors are 0.9 to 5.7 times those at the point
+_SPACING = 10e-6  # of samples: slip jumps as a pin enters, and one of 16 samples per pin period is 0.5 % of its mean at a small radius [s]
+CONVERGED = 0.25  # largest difference of a reference to one with twice its step, as a share of the target
 _SHARES, _REFERENCE_SHARES = (1.0, 0.5, 0.25), (0.5, 0.25, 0.125, 0.0625)  # of the automatic step
 _GAINED = 4.0  # largest ratio of the errors of two steps, one of which is half the other
 FIGURES = {  # name: scalar, and what an error is divided by; None: its expected value
@@ -93,7 +95,7 @@ class Points:
         self._settles = sweep.get("start", {}).get("mode") == "settle"
         self._end, self._what = time.monotonic() + budget if budget else math.inf, ""
         self._folder = tempfile.TemporaryDirectory(prefix="cvtflow-tune-")
-        self._states, self._probed = {}, {}
+        self._states, self._probed, self._cases = {}, {}, []
 
     def __enter__(self) -> Points:
         return self
@@ -152,10 +154,12 @@ class Points:
                                  (time.process_time() - begin) / passed)
         return self._probed[key]
 
-    def run(self, choice: Choice) -> list[tuple[list[float], str, str]]:
-        """(outputs, objection, notes) of every point; an objection states why the outputs are invalid."""
-        rows = _rows.read(self._swept(choice.scene(self.scene, self.state(choice)), self._sweep, **self._head))
+    def run(self, choice: Choice, only: Sequence[int] = ()) -> list[tuple[list[float], str, str]]:
+        """(outputs, objection, notes) of every point, or of some; an objection states why the outputs are invalid."""
+        head = {"only": [self._cases[point] for point in only]} if only else self._head
+        rows = _rows.read(self._swept(choice.scene(self.scene, self.state(choice)), self._sweep, **head))
         cells = rows.cells
+        self._cases = self._cases or [int(case) for case in cells["case"]]
         keys = [column for column in rows.columns if column.key]
         self.names = self.names or [", ".join(_named(key.key, cells[key.name][row]) for key in keys) for row in range(rows.size)]
         made = []
@@ -166,34 +170,32 @@ class Points:
         return made
 
     def errors(self, row: Any, expected: Any) -> list[float]:
-        """Relative error of every output; infinite where the run has none."""
+        """Relative error of every output, with that of the expected (outputs, their errors); infinite where the run has none."""
         errors = []
-        for (_, _, scale), value, right in zip(self.outputs, row[0], expected[0]):
-            error = math.inf if row[1] else abs(value - right) / max(scale(right) if scale else abs(right), 1e-300)
+        for (_, _, scale), value, right, known in zip(self.outputs, row[0], *expected):
+            error = math.inf if row[1] else known + abs(value - right) / max(scale(right) if scale else abs(right), 1e-300)
             errors.append(math.inf if math.isnan(error) else error)
         return errors
 
     def references(self, agreement: float) -> list[tuple[Any, str]]:
-        """(row, text) by point: the finest level at a quarter of its automatic step or less, such that twice that step has errors of at most
-        `agreement`; a row of None has no reference, and the text states why."""
-        finest, found, before = Choice(described("levels")["rows"][-1]["name"], "auto"), {}, []
+        """((outputs, their errors), text) by point: the finest level at a quarter of its automatic step or less, such that twice that step has
+        errors of at most `agreement`, which count as its own; None has no reference, and the text states why."""
+        finest, found, rows = Choice(described("levels")["rows"][-1]["name"], "auto"), {}, {}
         for share in _REFERENCE_SHARES:
             self.begin(f"reference, 1/{1.0 / share:g} of its automatic step")
             method, step, *_ = self.probe(finest)
-            rows = self.run(finest._replace(step=share * step))
-            for point, (row, other) in enumerate(zip(rows, before)):
-                if found.get(point, (None,))[0]:
-                    continue
-                off = max(self.errors(other, row)) if not row[1] else math.inf
-                text = f"at {share:g} of its automatic step; twice that step has errors of {100 * off:.2g} %"
-                if off <= agreement:
+            unknown = [point for point, (row, _) in found.items() if not row]
+            before, rows = rows, dict(zip(unknown or itertools.count(), self.run(finest._replace(step=share * step), unknown)))
+            for point, row in rows.items():
+                errors = self.errors(before[point], (row[0], [0.0] * len(row[0]))) if before and not row[1] else [math.inf]
+                text = f"at {share:g} of its automatic step; twice that step has errors of {100 * max(errors):.2g} %"
+                if max(errors) <= agreement:
                     unsteady = "; unsteady: its means still change (--settling, --average)" * ("unsteady" in row[2])
-                    found[point] = row, f"{finest.detail}, {method} {text}{unsteady}"
+                    found[point] = (row[0], errors), f"{finest.detail}, {method} {text}{unsteady}"
                 else:
                     found[point] = None, row[1] or f"{finest.detail} has not converged {text}, above {100 * agreement:.2g} %"
-            if before and all(row for row, _ in found.values()):
+            if all(row for row, _ in found.values()):
                 break
-            before = rows
         return [found[point] for point in sorted(found)]
 
 
@@ -215,7 +217,7 @@ def outputs_of(names: Sequence[str], pulleys: bool) -> list[tuple[str, str, Any]
 
 
 def _inputs(scene):
-    """(key, lowest, highest, at t = 0) of the tables over time that act. Raises SceneError for a scene whose inputs cannot be held."""
+    """(key, lowest, highest, at t = 0) of the tables over time that act, and of a ring's speed. Raises SceneError where inputs cannot be held."""
     refused = ((scene["vehicle.mass"] > 0.0, "a [vehicle] cannot be tuned: the load follows from its speed; tune a scene without it at a speed "
                                              "and torque of its own, and use the result here"),
                (scene["hydraulics.mode"] != "none", f'hydraulics.mode "{scene["hydraulics.mode"]}" cannot be tuned: oil carries on what it '
@@ -234,34 +236,32 @@ def _inputs(scene):
             elif value and all(isinstance(row, list) and len(row) == 2 for row in value):
                 numbers = [row[1] for row in value]
                 yield key.name, min(numbers), max(numbers), numbers[0]  # no table begins before t = 0
+    if scene["detail.pulleys"] == "absent":
+        yield ("start.ring_speed", *3 * [scene["start.ring_speed"]])
 
 
 def points_of(scene: Scene, settings: Settings, unseen: int = 0, say: Callable[[str], Any] = lambda text: None) -> Points:
-    """The scene with its inputs as they are at t = 0, then each table over time at its lowest and highest value, the others as at t = 0. unseen:
-    instead that number of points between: tables somewhere between their ends; load and clamping, where they are constant, and the speed of a
-    ring within 5 % of what they are. Equal seeds (run.seed) give equal points."""
+    """The scene with its inputs as they are at t = 0, then each table over time at its lowest and highest value, the others as at t = 0; to at
+    least three, points between: tables somewhere between their ends; load and clamping, where they are constant, and the speed of a ring within
+    5 % of what they are. unseen: instead that number of further points between. Equal seeds (run.seed) give equal points."""
     inputs = list(_inputs(scene))
-    if unseen:
-        inputs = [(key, low, high, at) if low < high else (key, 0.95 * at, 1.05 * at, at) for key, low, high, at in inputs
-                  if low < high or (at and key.split(".")[0] in ("load", "clamping"))]
-        if scene["detail.pulleys"] == "absent":
-            speed = scene["start.ring_speed"]
-            inputs = [("start.ring_speed", 0.95 * speed, 1.05 * speed, speed)]
-        drawn = random.Random(scene["run.seed"])
-        rows = [[drawn.uniform(low, high) for _, low, high, _ in inputs] for _ in range(unseen)]
-        names = [", ".join(_named(key, value) for (key, *_), value in zip(inputs, row)) for row in rows]
-    else:
-        inputs = [each for each in inputs if each[1] < each[2]]
-        start = [at for *_, at in inputs]
-        ends = [(k, key, end) for k, (key, low, high, at) in enumerate(inputs) for end in (low, high) if end != at]
-        rows = [start] + [[*start[:k], end, *start[k + 1:]] for k, _, end in ends]
-        names = ["start"] + [_named(key, end) for _, key, end in ends]
+    start = [at for *_, at in inputs]
+    rows = [start] + [[*start[:k], end, *start[k + 1:]] for k, (_, low, high, _) in enumerate(inputs) for end in (low, high) if end != start[k]]
+    names = ["start"] + [_named(key, end) for key, low, high, at in inputs for end in (low, high) if end != at]
+    inputs = [(key, low, high) if low < high or key.split(".")[0] not in ("load", "clamping", "start") else (key, *sorted((0.95 * at, 1.05 * at)))
+              for key, low, high, at in inputs]
+    drawn = random.Random(scene["run.seed"])
+    between = [[drawn.uniform(low, high) for _, low, high in inputs] for _ in range(_POINTS + unseen)]
+    between = between[_POINTS:] if unseen else between[len(rows):_POINTS]
+    rows = between if unseen else rows + between
+    named = [", ".join(_named(key, value) for (key, low, high), value in zip(inputs, row) if low < high) for row in between]
+    names = named if unseen else names + named
     outputs = outputs_of(settings.outputs, scene["detail.pulleys"] != "absent")
     columns = {"run.until": [settings.settling + settings.average] * len(rows)}
-    columns |= {key: list(values) for (key, *_), values in zip(inputs, zip(*rows))}
+    columns |= {key: list(values) for (key, low, high), values in zip(inputs, zip(*rows)) if low < high}
     sweep = {"axes": [{"zip": [{"key": key, "values": values} for key, values in columns.items()]}],
              "outputs": {"scalars": list({scalar: None for _, scalar, _ in outputs}), "from": f"{settings.settling} s"}}
-    points = Points(scene, sweep, outputs, settings.budget, say)
+    points = Points(scene.with_({"run.output_interval": _SPACING}), sweep, outputs, settings.budget, say)
     points.names = names
     return points
 
@@ -314,15 +314,13 @@ def search(points: Points, settings: Settings) -> dict[str, Any]:
                     "seconds_per_second": seconds / share, "work_per_second": work / share, "tried": False, "errors": [], "worst": "",
                     "front": False, "standing": "budget used up"})
         found["choices"].sort(key=lambda row: row["work_per_second"])  # not by time: every run and machine chooses the same
-        references = points.references(CONVERGED * settings.accuracy / MARGIN)
+        references = points.references(CONVERGED * settings.accuracy)
         for name, (row, text) in zip(points.names, references):
             (found["references"] if row else found["left_out"]).append(text if row else f"{name}: {text}")
             found["points"] += [name] if row else []
         if not found["points"]:
             raise StateError(f"{points.scene.name}: no operating point has a reference run for an accuracy of {100 * settings.accuracy:g} %:\n"
                              "  " + "\n  ".join(found["left_out"]))
-        if len(references) == 1:
-            found["margin"] = LONE_MARGIN
         for number, row in enumerate(found["choices"]):
             _judge(points, settings, found, references, row)
             if row["standing"] == "chosen":
