@@ -29,7 +29,7 @@ inline constexpr ExitStatusRow exit_statuses[] = {
     {ExitStatus::error, "error in the scene or a file"},
     {ExitStatus::usage, "error on the command line"},
     {ExitStatus::fault, "the run ended early: state not finite, tip too deep, pin off its sheave, step too short"},
-    {ExitStatus::budget, "budget used up: run.max_steps, run.max_wall, --budget"},
+    {ExitStatus::budget, "budget used up: run.max_steps, run.max_wall"},
     {ExitStatus::incomplete, "cases of a sweep (variants of detail) failed or are missing"},
     {ExitStatus::unreliable, "finished, but the energy balance does not close: the results are unreliable"},
     {ExitStatus::inaccurate, "target accuracy missed: tune, run --accuracy, sweeps with [accuracy]; means not steady at run.steady_limit"},

@@ -50,7 +50,7 @@ class Calls(unittest.TestCase):
     def test_have_signatures(self):
         self.assertEqual(list(inspect.signature(cvtflow.Simulation).parameters), ["scene", "threads", "segments"])
         self.assertEqual(list(inspect.signature(cvtflow.Simulation.set_input).parameters), ["self", "input", "value"])
-        self.assertEqual(list(inspect.signature(cvtflow.tune).parameters), ["scene", "accuracy", "outputs", "budget", "folder"])
+        self.assertEqual(list(inspect.signature(cvtflow.tune).parameters), ["scene", "accuracy", "outputs"])
 
 
 class Results(unittest.TestCase):

@@ -13,7 +13,7 @@ from program import BUILD, FAULTS, PROGRAM, SETTLING, SOURCE, Program, depth, ma
 # Options of a run and of settling that take a moment.
 RUN = f"-q --until '40 us' --step '50 ns' {SETTLING}"
 SETTLE = "settle tiny -q --time 20us --set start.ramp_time=10us"
-TUNE = "tune tiny -q --accuracy '5 %' --outputs slip --budget '10 s' --write t.toml"
+TUNE = "tune tiny -q --accuracy '5 %' --outputs slip --write t.toml"
 RESUME = "resume k.checkpoint -q --set run.max_steps=0"
 # Kinds of files, and the original of which each is a copy; None: it is made.
 KINDS = {"CSV": "numbers.csv", "FIFO": None, "checkpoint": "k.checkpoint", "folder": None, "foreign .part": "foreign.h5",

@@ -29,7 +29,7 @@ if typing.TYPE_CHECKING:
     from ._sweep import Sweep as Sweep
     from ._sweep_file import SweepFile as SweepFile
     from ._tables import Results as Results
-    from ._tuning import Tuning as Tuning, tune as tune
+    from ._tune import Tuning as Tuning, tune as tune
     from .pages import report as report
 
 # Names by module, which is imported when one of them is used: a command that needs little starts in little time.
@@ -45,7 +45,7 @@ _MODULES = {
     "_sweep": "Sweep",
     "_sweep_file": "SweepFile",
     "_tables": "Results",
-    "_tuning": "Tuning tune",
+    "_tune": "Tuning tune",
     "_fit": "Fit fit",
     "_scene_fmu": "export_fmu",
     "pages": "report",

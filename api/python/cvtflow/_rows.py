@@ -61,12 +61,18 @@ def read(path):
     return rows
 
 
-def _add_errors(rows, folder):
-    """Adds the choice of a sweep with [accuracy], and the errors of its verified cases as columns behind the scalars."""
+def accuracy_of(folder):
+    """The choice and the errors of a sweep with [accuracy]; {}: it has none, or they are damaged."""
     try:
         with open(os.path.join(folder, "accuracy.json"), encoding="utf-8") as file:
-            known = json.load(file)
+            return json.load(file)
     except (OSError, ValueError):
+        return {}
+
+
+def _add_errors(rows, folder):
+    """Adds the choice of a sweep with [accuracy], and the errors of its verified cases as columns behind the scalars."""
+    if not (known := accuracy_of(folder)):
         return
     rows.facts.update({f"accuracy_{name}": known[name] for name in ("target", "choice", "at_corners")})
     place = [column.name for column in rows.columns].index("efficiency")

@@ -11,6 +11,7 @@ import itertools
 import json
 import math
 import random
+import os
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -18,10 +19,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from . import _rows
-from ._errors import Error, SceneError, StartStateError, StateError
+from ._errors import ArgumentError, Error, SceneError, StartStateError, StateError
 from ._known import suggestion
-from ._library import described, in_si
-from ._scene import Scene, all_keys
+from ._library import described, in_si, plain
+from ._scene import Scene, all_keys, opened
 from ._simulation import Simulation, Threads
 from ._sweep_file import SweepFile, file_text
 
@@ -42,15 +43,7 @@ _AUTO = {"run.method": "auto", "run.step": "auto", "run.step_control": "fixed"}
 
 
 class AccuracyError(StateError):
-    """No choice meets the target. early: the budget ended first, so that choices remain untried."""
-
-    def __init__(self, text: str, early: bool = False) -> None:
-        super().__init__(text)
-        self.early = early
-
-
-class _BudgetUsedUp(Exception):
-    """The budget ended during a measurement, which the argument names."""
+    """No choice meets the target."""
 
 
 class Choice(NamedTuple):
@@ -82,18 +75,16 @@ class Points:
     scene    base of the cases
     sweep    contents of the sweep's file, but for the scene
     outputs  (name, scalar of the sweep, what errors are divided by) of each
-    budget   wall time of all measurements, 0: no limit [s]
     say      called with what is measured
     only     cases that are points, as sweep.only of a sweep file
     """
 
-    def __init__(self, scene: Scene, sweep: dict[str, Any], outputs: list[tuple[str, str, Any]], budget: float = 0.0,
+    def __init__(self, scene: Scene, sweep: dict[str, Any], outputs: list[tuple[str, str, Any]],
                  say: Callable[[str], Any] = lambda text: None, threads: int = 0, only: Any = None) -> None:
         self.scene = scene.with_({"run.schedule": "serial", "run.threads": 1, "run.max_steps": 0, "run.max_wall": 0})
-        self.outputs, self.names, self._sweep, self._say, self._threads = outputs, [], sweep, say, threads
+        self.outputs, self.names, self.say, self._sweep, self._threads = outputs, [], say, sweep, threads
         self._head = {"only": only} if only else {}
         self._settles = sweep.get("start", {}).get("mode") == "settle"
-        self._end, self._what = time.monotonic() + budget if budget else math.inf, ""
         self._folder = tempfile.TemporaryDirectory(prefix="cvtflow-tune-")
         self._states, self._probed, self._cases = {}, {}, []
 
@@ -103,21 +94,12 @@ class Points:
     def __exit__(self, *_: Any) -> None:
         self._folder.cleanup()
 
-    def begin(self, what: str) -> None:
-        """Reports a measurement. Raises _BudgetUsedUp."""
-        self._what = what
-        self._say(what)
-        if time.monotonic() > self._end:
-            raise _BudgetUsedUp(what)
-
     def _swept(self, scene, sweep, **head):
         """The folder of a sweep that has run."""
         folder = Path(tempfile.mkdtemp(dir=self._folder.name))
         (folder / "scene.toml").write_text(scene.text, encoding="utf-8")
         (folder / "sweep.toml").write_text(file_text(sweep, scene="scene.toml", **head), encoding="utf-8")
-        file = SweepFile.read(folder / "sweep.toml")
-        if not file.run(folder, self._threads, waiting=lambda _: file.cancel() if time.monotonic() > self._end else None):
-            raise _BudgetUsedUp(self._what)
+        SweepFile.read(folder / "sweep.toml").run(folder, self._threads)
         return folder
 
     def state(self, choice: Choice) -> str:
@@ -182,7 +164,7 @@ class Points:
         errors of at most `agreement`, which count as its own; None has no reference, and the text states why."""
         finest, found, rows = Choice(described("levels")["rows"][-1]["name"], "auto"), {}, {}
         for share in _REFERENCE_SHARES:
-            self.begin(f"reference, 1/{1.0 / share:g} of its automatic step")
+            self.say(f"reference, 1/{1.0 / share:g} of its automatic step")
             method, step, *_ = self.probe(finest)
             unknown = [point for point, (row, _) in found.items() if not row]
             before, rows = rows, dict(zip(unknown or itertools.count(), self.run(finest._replace(step=share * step), unknown)))
@@ -261,21 +243,19 @@ def points_of(scene: Scene, settings: Settings, unseen: int = 0, say: Callable[[
     columns |= {key: list(values) for (key, low, high), values in zip(inputs, zip(*rows)) if low < high}
     sweep = {"axes": [{"zip": [{"key": key, "values": values} for key, values in columns.items()]}],
              "outputs": {"scalars": list({scalar: None for _, scalar, _ in outputs}), "from": f"{settings.settling} s"}}
-    points = Points(scene.with_({"run.output_interval": _SPACING}), sweep, outputs, settings.budget, say)
+    points = Points(scene.with_({"run.output_interval": _SPACING}), sweep, outputs, say)
     points.names = names
     return points
 
 
 class Settings(NamedTuple):
     """accuracy: largest error of every output; outputs: figures or scalars, none: the usual; levels: as Choice.detail, none: all, and the
-    scene's; methods: METHOD or METHOD@STEP, none: auto; budget: wall time [s], 0: no limit; settling: before the averages [s]; average [s];
-    all: measure every choice"""
+    scene's; methods: METHOD or METHOD@STEP, none: auto; settling: before the averages [s]; average [s]; all: measure every choice"""
 
     accuracy: float = 0.01
     outputs: Sequence[str] = ()
     levels: Sequence[str] = ()
     methods: Sequence[str] = ()
-    budget: float = 0.0
     settling: float = 20e-3
     average: float = 16e-3
     all: bool = False
@@ -290,7 +270,7 @@ def _bases(points, settings, left_out):
     for level in settings.levels or known + own:
         for given in settings.methods or ["auto"]:
             method, _, step = given.partition("@")
-            points.begin("costs of levels of detail")
+            points.say("costs of levels of detail")
             try:
                 probed = points.probe(base := Choice(level, method, in_si(step, "methods", "s") if step else 0.0))
                 bases.setdefault(base._replace(method=probed[0]), probed)
@@ -306,30 +286,27 @@ def search(points: Points, settings: Settings) -> dict[str, Any]:
     begin = time.monotonic()
     found = {"scene": points.scene.name, "provenance": described("build"), "accuracy": settings.accuracy, "margin": MARGIN,
              "outputs": [name for name, *_ in points.outputs], "points": [], "references": [], "left_out": [], "chosen": None,
-             "budget_used_up_by": None, "choices": [], "unseen": [], "wall": 0.0}
-    try:
-        for choice, (_, step, work, seconds) in _bases(points, settings, found["left_out"]).items():
-            for share in (1.0,) if choice.step else _SHARES:
-                found["choices"].append(Choice(*choice[:2], choice.step or (share < 1.0) * share * step, share)._asdict() | {
-                    "seconds_per_second": seconds / share, "work_per_second": work / share, "tried": False, "errors": [], "worst": "",
-                    "front": False, "standing": "budget used up"})
-        found["choices"].sort(key=lambda row: row["work_per_second"])  # not by time: every run and machine chooses the same
-        references = points.references(CONVERGED * settings.accuracy)
-        for name, (row, text) in zip(points.names, references):
-            (found["references"] if row else found["left_out"]).append(text if row else f"{name}: {text}")
-            found["points"] += [name] if row else []
-        if not found["points"]:
-            raise StateError(f"{points.scene.name}: no operating point has a reference run for an accuracy of {100 * settings.accuracy:g} %:\n"
-                             "  " + "\n  ".join(found["left_out"]))
-        for number, row in enumerate(found["choices"]):
-            _judge(points, settings, found, references, row)
-            if row["standing"] == "chosen":
-                found["chosen"] = number
-        least = math.inf
-        for error, row in [(max(row["errors"]), row) for row in found["choices"] if row["tried"]]:  # by rising cost
-            row["front"], least = error < least, min(error, least)
-    except _BudgetUsedUp as used:
-        found["budget_used_up_by"] = str(used)
+             "choices": [], "unseen": [], "wall": 0.0}
+    for choice, (_, step, work, seconds) in _bases(points, settings, found["left_out"]).items():
+        for share in (1.0,) if choice.step else _SHARES:
+            found["choices"].append(Choice(*choice[:2], choice.step or (share < 1.0) * share * step, share)._asdict() | {
+                "seconds_per_second": seconds / share, "work_per_second": work / share, "tried": False, "errors": [], "worst": "",
+                "front": False, "standing": ""})
+    found["choices"].sort(key=lambda row: row["work_per_second"])  # not by time: every run and machine chooses the same
+    references = points.references(CONVERGED * settings.accuracy)
+    for name, (row, text) in zip(points.names, references):
+        (found["references"] if row else found["left_out"]).append(text if row else f"{name}: {text}")
+        found["points"] += [name] if row else []
+    if not found["points"]:
+        raise StateError(f"{points.scene.name}: no operating point has a reference run for an accuracy of {100 * settings.accuracy:g} %:\n"
+                         "  " + "\n  ".join(found["left_out"]))
+    for number, row in enumerate(found["choices"]):
+        _judge(points, settings, found, references, row)
+        if row["standing"] == "chosen":
+            found["chosen"] = number
+    least = math.inf
+    for error, row in [(max(row["errors"]), row) for row in found["choices"] if row["tried"]]:  # by rising cost
+        row["front"], least = error < least, min(error, least)
     found["wall"] = time.monotonic() - begin
     return found
 
@@ -350,7 +327,7 @@ def _judge(points, settings, found, references, row):
         row["standing"] = "insufficient detail"
         return
     choice = choice_of(row)
-    points.begin(choice.text())
+    points.say(choice.text())
     try:
         rows = points.run(choice)
     except Error as error:
@@ -367,17 +344,36 @@ def _judge(points, settings, found, references, row):
 
 def why_none(found: dict[str, Any]) -> str:
     """Reason why search() has chosen nothing, with the nearest choice."""
-    tried = [row for row in found["choices"] if row["tried"]]
-    if used := found["budget_used_up_by"]:
-        none = f"none of the {len(tried)} that were tried has errors times {found['margin']:g} within the target; " if tried else "nothing was tried: "
-        return f"{none}the budget ended during: {used}"
-    nearest = min(tried, key=lambda row: max(row["errors"]))
+    nearest = min((row for row in found["choices"] if row["tried"]), key=lambda row: max(row["errors"]))
     return (f"no tried choice is within {100 * found['accuracy']:g} % (with a margin of {found['margin']:g}); "
             f"nearest: {choice_of(nearest).text()}: {nearest['standing']}")
 
 
-def taken(found: dict[str, Any]) -> dict[str, Any]:
-    """The row of the chosen one. Raises AccuracyError."""
+class Tuning(NamedTuple):
+    """A scene with the settings for a target accuracy; the choice as text; the largest measured error."""
+
+    scene: Scene
+    choice: str
+    error: float
+
+
+def tuned(points: Points, settings: Settings, scene: Scene, keep: Callable[[bytes], str] = lambda state: "") -> Tuning:
+    """What a search finds for a scene. keep: writes a state with which the choice begins, and returns its path; else the scene settles by itself.
+    Raises AccuracyError."""
+    found = search(points, settings)
     if found["chosen"] is None:
-        raise AccuracyError(f"{found['scene']}: {why_none(found)}", early=bool(found["budget_used_up_by"]))
-    return found["choices"][found["chosen"]]
+        raise AccuracyError(f"{found['scene']}: {why_none(found)}")
+    choice = choice_of(row := found["choices"][found["chosen"]])
+    return Tuning(points.scene_of(choice, scene, keep), choice.text(), max(row["errors"]))
+
+
+@plain("tune")
+def tune(scene: Scene | str | os.PathLike[str], accuracy: float | str = 0.01, outputs: Sequence[str] = ()) -> Tuning:
+    """The cheapest detail, method and step with which outputs (slip, efficiency, tight_tension, tips) are as accurate ("1 %"), measured in
+    seconds to minutes. Ctrl-C ends it."""
+    scene, target = opened(scene), in_si(accuracy, "accuracy", "1")
+    if not 0.0 < target <= 0.5:
+        raise ArgumentError(f"accuracy: {target:g} is outside (0, 0.5]")
+    settings = Settings(target, tuple(outputs))
+    with points_of(scene, settings) as points:
+        return tuned(points, settings, scene)

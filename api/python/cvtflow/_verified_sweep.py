@@ -7,9 +7,10 @@ import json
 import os
 import random
 
-from . import _rows, _tune, _tuning
+from . import _rows, _tune
 from ._errors import StateError
-from ._library import in_si
+from ._library import described, in_si
+from ._output import Output
 from ._scene import Scene, flat, opened
 from ._sweep_file import file_text
 
@@ -52,28 +53,33 @@ def tune(path, folder, threads=0, say=lambda text: None):
     scene, sweep, name = read(path)
     target = sweep["accuracy"]["target"]
     settings = _tune.Settings(accuracy=in_si(target, "target", "1"))
-    place = os.path.join(folder, "accuracy.json")
-    key = _tuning.key_of(scene, settings)
-    known, origin = _tuning.read_kept(place), "from the cache"
-    if (known.get("key"), known.get("sweep")) != (key, sweep):
+    given = {"scene": scene.text, "sweep": sweep, "build": described("build")}
+    known = _rows.accuracy_of(folder)
+    if {key: known.get(key) for key in given} != given:
         if os.path.exists(os.path.join(folder, "sweep.json")):
             raise StateError(f"{folder}: results of another sweep; use another folder (-o)")
         with _points(scene, sweep, "corners", say, threads) as points:
-            found, wall = _tuning.settled_on(points, settings, scene, os.path.join(folder, "tuned.state"))
-        known = {"key": key, "name": name, "scene": scene.text, "sweep": sweep, "target": settings.accuracy, "choice": found.choice,
-                 "at_corners": found.error, "scalars": sweep["outputs"]["scalars"], "errors": {}}
+            os.makedirs(folder, exist_ok=True)
+            found = _tune.tuned(points, settings, scene, lambda state: _write(folder, "tuned.state", state))
+        known = given | {"name": name, "target": settings.accuracy, "choice": found.choice, "at_corners": found.error,
+                         "scalars": sweep["outputs"]["scalars"], "errors": {}}
         text = file_text({section: values for section, values in sweep.items() if section != "accuracy"}, scene="tuned.scene.toml", name=name)
         for file, data in (("tuned.scene.toml", found.scene.text), ("tuned.toml", text), ("accuracy.json", json.dumps(known))):
-            _tuning.replace(os.path.join(folder, file), data.encode())
-        origin = f"found in {wall:.0f} s"
-    say(f"{name}: {known['choice']} for {100 * settings.accuracy:g} % (largest error at the corners: {100 * known['at_corners']:.2g} %), {origin}")
+            _write(folder, file, data.encode())
+    say(f"{name}: {known['choice']} for {100 * settings.accuracy:g} % (largest error at the corners: {100 * known['at_corners']:.2g} %)")
+
+
+def _write(folder, name, data):
+    """Writes a file of a sweep's folder. Returns its path."""
+    file = Output(os.path.abspath(os.path.join(folder, name)), force=True)
+    file.write(data)
+    return file.path
 
 
 def verify(folder, threads=0, say=lambda text: None):
     """Runs cases of a finished sweep again at reference quality, and adds their errors to DIR/accuracy.json. Returns a text and whether at most
     one in twenty misses the target."""
-    place = os.path.join(folder, "accuracy.json")
-    known, rows = _tuning.read_kept(place), _rows.read(folder)
+    known, rows = _rows.accuracy_of(folder), _rows.read(folder)
     scene, sweep = Scene.parse(known["scene"]), known["sweep"]
     accuracy = {"verify": 10, "seed": 0} | sweep["accuracy"]
     cases = sorted(random.Random(accuracy["seed"]).sample(range(rows.size), min(rows.size, accuracy["verify"])))
@@ -87,7 +93,7 @@ def verify(folder, threads=0, say=lambda text: None):
                 known["errors"][str(case)] = points.errors(([values[case] for values in cells], ""), reference)
             else:
                 say(f"not verified: case {case}: {text}")
-        _tuning.replace(place, json.dumps(known).encode())
+        _write(folder, "accuracy.json", json.dumps(known).encode())
     errors = list(known["errors"].values())
     missed = sum(not max(each) <= known["target"] for each in errors)
     worst = ", ".join(f"{name} {100 * max(each):.2g} %" for name, each in zip(known["scalars"], zip(*errors)))

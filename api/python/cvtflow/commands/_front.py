@@ -183,9 +183,8 @@ def _status(commands, words):
         if os.environ.get("CVTFLOW_TRACE"):
             raise
         say(_message(error))
-        if hasattr(error, "early"):  # AccuracyError
-            return 4 if error.early else 7
-        return 2 if {"UsageError", "Misuse"} & {kind.__name__ for kind in type(error).__mro__} else 1
+        kinds = {kind.__name__ for kind in type(error).__mro__}
+        return 7 if "AccuracyError" in kinds else 2 if {"UsageError", "Misuse"} & kinds else 1
 
 
 def main(commands, words):

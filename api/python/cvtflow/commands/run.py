@@ -1,4 +1,4 @@
-"""`cvtflow run --accuracy`: tunes, or takes a kept choice, and becomes the program's `run` with it. Other options are the program's."""
+"""`cvtflow run --accuracy`: tunes, and becomes the program's `run` with the choice. Other options are the program's."""
 
 from ._front import UsageError, become_program, interruptible, say
 from ._scenes import declare_scene, load
@@ -12,7 +12,6 @@ def declare(parser):
     declare_scene(parser, settle=True)
     declare_tuning(parser)
     add = parser.add_argument
-    add("--cache", metavar="DIR", help="Folder that caches the choices of --accuracy (default: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow)")
     add("-o", *_PASSED[:1], metavar="FILE", help="As of cvtflow run")
     for option in _PASSED[1:]:
         add(option, metavar="VALUE", help="As of cvtflow run")
@@ -23,17 +22,17 @@ def declare(parser):
 
 
 def act(given):
-    from .. import _scene, _tuning
+    from .. import _scene, _tune
 
     for option in ("method", "step", "tolerance", "detail"):
         if getattr(given, option) is not None:
             raise UsageError(f"--accuracy excludes --{option}, which it chooses")
     with interruptible():
         settings, scene = settings_of(given), load(given, quiet=given.quiet)
-        found, wall = _tuning.tuned(scene, settings, given.cache or _tuning.usual_folder(), (lambda text: None) if given.quiet else say)
+        with _tune.points_of(scene, settings, say=(lambda text: None) if given.quiet else say) as points:
+            found = _tune.tuned(points, settings, scene)
     if not given.quiet:
-        say(f"{scene.name}: {found.choice} for {given.accuracy} (largest error measured: {100 * found.error:.2g} %), "
-            + ("from the cache" if found.kept else f"found in {wall:.1f} s"))
+        say(f"{scene.name}: {found.choice} for {given.accuracy} (largest error measured: {100 * found.error:.2g} %)")
     words, stated = ["run", given.scene], _scene.opened(given.scene)
     for key in found.scene:
         if (value := found.scene.value(key)) != stated.value(key):

@@ -14,8 +14,8 @@ FOOTER = """
 Tries levels of detail (cvtflow list detail) at the automatic step, a half and a quarter of it, cheapest first. Operating points: the scene's
 start, and the lowest and highest value of every table over time; at least three, with points between. Reference: the finest level at a quarter
 of its step or less. Chooses the first variant whose errors times 2 meet the accuracy at every point; unreliable variants are never chosen.
-front: no other variant is both cheaper and more accurate. Exit status 7: no variant meets the accuracy, or more than one in twenty points of --verify misses
-it; 4: the budget was used up before one did.
+front: no other variant is both cheaper and more accurate. Exit status 7: no variant meets the accuracy, or more than one in twenty points of
+--verify misses it.
 """
 _SHOWN_UNTRIED, _LONGEST = 3, 320
 
@@ -29,7 +29,6 @@ def declare_tuning(parser):
              'thrust_ratio, or as in a sweep, "slip median" (default: slip, efficiency, tight_tension, tips)')
     add("--methods", metavar="LIST", default="",
         help="Methods to choose from, separated by commas: METHOD or METHOD@STEP, such as rk4@45ns (default: auto)")
-    add("--budget", metavar="TIME", help='Wall time of the search, references included, e.g. "2 min"')
     add("--settling", metavar="TIME", help="Simulated time before the averages begin (default: 20 ms)")
     add("--average", metavar="TIME", help="Simulated time that the averages cover (default: 16 ms)")
 
@@ -69,8 +68,8 @@ def settings_of(given):
     usual, of_time = _tune.Settings(), 'a time such as "30 s" or "10 min"'
     return usual._replace(accuracy=number("accuracy", "1", None, 'a share above 0 and up to 50 %, such as "1 %"', 0.5),
                           outputs=names(given.outputs), methods=names(given.methods), levels=names(getattr(given, "levels", "")),
-                          budget=number("budget", "s", 0.0, of_time), settling=number("settling", "s", usual.settling, of_time),
-                          average=number("average", "s", usual.average, of_time), all=getattr(given, "all", False))
+                          settling=number("settling", "s", usual.settling, of_time), average=number("average", "s", usual.average, of_time),
+                          all=getattr(given, "all", False))
 
 
 def _field(name, text):
@@ -151,7 +150,7 @@ def act(given):
         if given.json:
             print(json.dumps(json.loads(json.dumps(found), parse_constant=lambda _: None), indent=1))
     if not row:
-        return 4 if found["budget_used_up_by"] else 7
+        return 7
     judged = [max(each["errors"]) for each in found["unseen"] if each["errors"]]
     return 7 if 20 * sum(not error <= settings.accuracy for error in judged) > len(judged) else 0
 

@@ -154,9 +154,7 @@ Action declare_run(CLI::App& app) {
         ->type_name("SHARE");  // Python's part of run
     app.add_flag("-q,--quiet", arguments->quiet, "Print errors only");
     app.footer(
-        "--accuracy measures as cvtflow tune does, whose --outputs, --methods, --budget, --settling and --average it takes, and caches the "
-        "choice\nfor "
-        "the next run of the same scene in --cache DIR ($XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow).\n"
+        "--accuracy measures as cvtflow tune does, whose --outputs, --methods, --settling and --average it takes, and runs the choice.\n"
         "--tolerance chooses steps by the local error (run.step_control = \"error\"), at most --step.\n"
         "Times have units: --step \"50 ns\" --until 2ms. Ctrl-C ends the run and completes its record; a second Ctrl-C ends it at once.\n"
         "With --checkpoint-every, cvtflow resume FILE continues a killed run; results are bitwise equal.\n"
