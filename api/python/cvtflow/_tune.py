@@ -27,7 +27,7 @@ from ._simulation import Simulation, Threads
 from ._sweep_file import SweepFile, file_text
 
 MARGIN = 2.0  # errors at an untried point may be larger by this factor
-_POINTS = 3  # at least: within 5 % of a settled point, where the machine shifts, errors are 0.9 to 5.7 times those at the point
+_POINTS = 3  # the start and two near it: within 5 % of a settled point the machine shifts, with errors 0.9 to 5.7 times those at the point
 _SPACING = 10e-6  # of samples: slip jumps as a pin enters, and one of 16 samples per pin period is 0.5 % of its mean at a small radius [s]
 CONVERGED = 0.25  # largest difference of a reference to one with twice its step, as a share of the target
 _SHARES, _REFERENCE_SHARES = (1.0, 0.5, 0.25), (0.5, 0.25, 0.125, 0.0625)  # of the automatic step
@@ -86,7 +86,7 @@ class Points:
         self._head = {"only": only} if only else {}
         self._settles = sweep.get("start", {}).get("mode") == "settle"
         self._folder = tempfile.TemporaryDirectory(prefix="cvtflow-tune-")
-        self._states, self._probed, self._cases = {}, {}, []
+        self._states, self._probed = {}, {}
 
     def __enter__(self) -> Points:
         return self
@@ -138,10 +138,9 @@ class Points:
 
     def run(self, choice: Choice, only: Sequence[int] = ()) -> list[tuple[list[float], str, str]]:
         """(outputs, objection, notes) of every point, or of some; an objection states why the outputs are invalid."""
-        head = {"only": [self._cases[point] for point in only]} if only else self._head
+        head = {"only": list(only)} if only else self._head
         rows = _rows.read(self._swept(choice.scene(self.scene, self.state(choice)), self._sweep, **head))
         cells = rows.cells
-        self._cases = self._cases or [int(case) for case in cells["case"]]
         keys = [column for column in rows.columns if column.key]
         self.names = self.names or [", ".join(_named(key.key, cells[key.name][row]) for key in keys) for row in range(rows.size)]
         made = []
@@ -166,9 +165,11 @@ class Points:
         for share in _REFERENCE_SHARES:
             self.say(f"reference, 1/{1.0 / share:g} of its automatic step")
             method, step, *_ = self.probe(finest)
-            unknown = [point for point, (row, _) in found.items() if not row]
+            unknown = [point for point, (row, _) in found.items() if not row and not self._head]  # `only` numbers cases anew
             before, rows = rows, dict(zip(unknown or itertools.count(), self.run(finest._replace(step=share * step), unknown)))
             for point, row in rows.items():
+                if found.get(point, (None,))[0]:
+                    continue
                 errors = self.errors(before[point], (row[0], [0.0] * len(row[0]))) if before and not row[1] else [math.inf]
                 text = f"at {share:g} of its automatic step; twice that step has errors of {100 * max(errors):.2g} %"
                 if max(errors) <= agreement:
@@ -223,9 +224,9 @@ def _inputs(scene):
 
 
 def points_of(scene: Scene, settings: Settings, unseen: int = 0, say: Callable[[str], Any] = lambda text: None) -> Points:
-    """The scene with its inputs as they are at t = 0, then each table over time at its lowest and highest value, the others as at t = 0; to at
-    least three, points between: tables somewhere between their ends; load and clamping, where they are constant, and the speed of a ring within
-    5 % of what they are. unseen: instead that number of further points between. Equal seeds (run.seed) give equal points."""
+    """The scene with its inputs as they are at t = 0, then each table over time at its lowest and highest value, the others as at t = 0; then two
+    points between: tables somewhere between their ends; load and clamping, where they are constant, and the speed of a ring within 5 % of what
+    they are. unseen: instead that number of further points between. Equal seeds (run.seed) give equal points."""
     inputs = list(_inputs(scene))
     start = [at for *_, at in inputs]
     rows = [start] + [[*start[:k], end, *start[k + 1:]] for k, (_, low, high, _) in enumerate(inputs) for end in (low, high) if end != start[k]]
@@ -234,7 +235,7 @@ def points_of(scene: Scene, settings: Settings, unseen: int = 0, say: Callable[[
               for key, low, high, at in inputs]
     drawn = random.Random(scene["run.seed"])
     between = [[drawn.uniform(low, high) for _, low, high in inputs] for _ in range(_POINTS + unseen)]
-    between = between[_POINTS:] if unseen else between[len(rows):_POINTS]
+    between = between[_POINTS:] if unseen else between[1:_POINTS]
     rows = between if unseen else rows + between
     named = [", ".join(_named(key, value) for (key, low, high), value in zip(inputs, row) if low < high) for row in between]
     names = named if unseen else names + named

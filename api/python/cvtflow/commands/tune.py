@@ -12,8 +12,8 @@ from ._scenes import declare_scene, load
 DESCRIPTION = "Find the cheapest detail, method and step for a target accuracy, by measuring"
 FOOTER = """
 Tries levels of detail (cvtflow list detail) at the automatic step, a half and a quarter of it, cheapest first. Operating points: the scene's
-start, and the lowest and highest value of every table over time; at least three, with points between. Reference: the finest level at a quarter
-of its step or less. Chooses the first variant whose errors times 2 meet the accuracy at every point; unreliable variants are never chosen.
+start, and the lowest and highest value of every table over time, and two points between. Reference: the finest level at a quarter of its
+step or less. Chooses the first variant whose errors times 2 meet the accuracy at every point; unreliable variants are never chosen.
 front: no other variant is both cheaper and more accurate. Exit status 7: no variant meets the accuracy, or more than one in twenty points of
 --verify misses it.
 """
