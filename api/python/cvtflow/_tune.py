@@ -10,8 +10,8 @@ from __future__ import annotations
 import itertools
 import json
 import math
-import random
 import os
+import random
 import tempfile
 import time
 from collections.abc import Callable, Sequence

@@ -141,8 +141,9 @@ void RowBlock::put(std::size_t member, const void* row) noexcept {
     std::memcpy(target.rows.get() + (taken_ - first_) * target.row_bytes, row, target.row_bytes);
 }
 
-void RowBlock::put_rounded(std::size_t member, std::span<double> row) noexcept {
+void RowBlock::put_reals(std::size_t member, std::span<double> row) noexcept {
     Member& target = members_[member];
+    if (target.row_bytes == row.size_bytes()) return put(member, row.data());
     std::byte* const rounded = target.rows.get() + (taken_ - first_) * target.row_bytes;
     for (std::size_t k = 0; k < row.size(); ++k) {
         const auto value = static_cast<float>(row[k]);

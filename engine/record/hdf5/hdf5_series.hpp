@@ -85,8 +85,8 @@ public:
     void add(Handle dataset, const SeriesShape& shape);
     /// Copies one row of one dataset into memory.
     void put(std::size_t member, const void* row) noexcept;
-    /// The same for reals that are floats in the file: rounds them.
-    void put_rounded(std::size_t member, std::span<double> row) noexcept;
+    /// The same for reals, which are rounded where the dataset has floats.
+    void put_reals(std::size_t member, std::span<double> row) noexcept;
     /// Completes the row of which every member has been put.
     void advance() noexcept { ++taken_; }
     /// Whether the memory is full: write() before the next put().

@@ -212,8 +212,7 @@ void RunFile::append(double time, std::span<double> values) {
     double* next = values.data();
     std::size_t member = 0;
     for (const ChannelInfo& channel : impl_->contents.channels) {
-        const std::span row(next, static_cast<std::size_t>(channel.width));
-        channel.width > 1 ? impl_->channels.put_rounded(member++, row) : impl_->channels.put(member++, next);
+        impl_->channels.put_reals(member++, {next, static_cast<std::size_t>(channel.width)});
         next += channel.width;
     }
     impl_->channels.put(member, &time);
