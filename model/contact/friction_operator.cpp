@@ -37,14 +37,12 @@ void ContactField::make_columns(int count) {
 }
 
 FrictionNumbers::FrictionNumbers(const Coefficients& c, const HeldInverse& responses)
-    : joint_saturation(c.joint.friction.saturation_speed),
-      plate_saturation(c.plate_friction.saturation_speed),
-      tip_saturation(c.tip.friction.saturation_speed),
-      tip_law(c.tip.law),
-      joint_points(rounded(c.joint_points)),
-      plates(rounded(c.plates)),
-      inverse{rounded(responses.along),   rounded(responses.across),      rounded(responses.axial),
-              rounded(responses.turning), rounded(responses.wave_plates), rounded(responses.wave_joint)} {}
+    : tip_law(c.tip.law), joint_points(rounded(c.joint_points)), plates(rounded(c.plates)), inverse{rounded(responses.along),
+                                                                                                    rounded(responses.across),
+                                                                                                    rounded(responses.axial),
+                                                                                                    rounded(responses.turning),
+                                                                                                    rounded(responses.wave_plates),
+                                                                                                    rounded(responses.wave_joint)} {}
 
 FrictionOperator::FrictionOperator(const ChainModel& chain, const FrictionKernels& kernels)
     : chain_(chain),

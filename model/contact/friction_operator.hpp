@@ -129,8 +129,7 @@ struct StepEnd {
 struct FrictionNumbers {
     FrictionNumbers(const Coefficients& coefficients, const HeldInverse& responses);
 
-    double joint_saturation, plate_saturation, tip_saturation;  ///< speeds from which friction has its full strength [m/s]
-    std::shared_ptr<const TipLaw> tip_law;                      ///< nullptr: none
+    std::shared_ptr<const TipLaw> tip_law;  ///< nullptr: none
     PointLanes<max_joint_lanes, float> joint_points;
     PointLanes<max_plate_lanes, float> plates;
     HeldNumbers<float> inverse;

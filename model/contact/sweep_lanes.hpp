@@ -106,7 +106,7 @@ inline void sweep_powers(const FrictionOperator& friction, const ContactField& f
 }
 
 /// A pass over the joints of the rear pins of W links.
-template <int W>
+template <int W, class Laws>
 class JointSweep {
 public:
     using V = Lanes<W>;
@@ -114,6 +114,7 @@ public:
 
     JointSweep(const FrictionOperator& friction, const LinkLanes<W>& links, const FrictionSweep& sweep) noexcept
         : joints_{links, friction.numbers()},
+          curve_(friction.chain().coefficients().joint.friction),
           friction_{links, links.rows_of(*sweep.kept)},
           before_(links.rows_of(*sweep.before)),
           sweep_(sweep),
@@ -191,21 +192,22 @@ private:
         rates.e += responses_.joint_tilt[at_g] * push;
     }
 
-    /// The speed D ≥ v0 that a point slides with, or v0: Σ (without/(D + full))² = 1, one step of Newton's method from the last one on.
+    /// The divisor D = v/s of the law at the sliding speed of a point: Σ (without/(D + full))² = s², one step of Newton's method from the
+    /// last one on, as for a point with the same response in both directions.
     [[nodiscard]] V sliding_speed(int g, const V (&without)[2], const V (&full)[2]) const noexcept {
         const int row = friction_.rows.joint_speed(g);
-        const V slowest(joints_.numbers.joint_saturation);
-        const V from = larger<W>(friction_.now[row], slowest);
+        const V from = larger<W>(friction_.now[row], V(curve_.saturation_speed));
         const Reciprocals<W> inverse(from + full[0], from + full[1]);
         const V across = without[0] * inverse.first, along = without[1] * inverse.second;
         const V a = across * across, b = along * along, sum = a + b;
         const V slope = a * inverse.first + b * inverse.second + V(1e-20);
-        const V speed = larger<W>(from + sum * (sqrt(sum) - V(1.0)) / slope, slowest);
+        const V speed = divisor_left<W, Laws>(curve_, from + sum * (sqrt(sum) - V(1.0)) / slope, sum / slope - from);
         friction_.now.put(row, speed);
         return speed;
     }
 
     const Joints joints_;
+    const FrictionCurve& curve_;
     const KeptForces<W, float> friction_;
     const LaneRows<W, const float> before_;
     const FrictionSweep& sweep_;
@@ -213,7 +215,7 @@ private:
 };
 
 /// A pass over W links, with their plates and tips; their joints must be in scratch.
-template <int W>
+template <int W, class Laws>
 class LinkSweep {
 public:
     using V = Lanes<W>;
@@ -312,24 +314,26 @@ private:
     /// Σ secant, Σ ξ secant, Σ ξ² secant.
     void add_secants(V& a, V& b, V& e) const noexcept {
         const ContactComponents& components = links_.field.components;
-        const V z = friction_.now[rows_.plate_rate()], tilt = friction_.now[rows_.plate_rate() + 1], slowest(numbers_.plate_saturation);
-        const auto add = [&](int plate, const V& inverse_speed) {
+        const V z = friction_.now[rows_.plate_rate()], tilt = friction_.now[rows_.plate_rate() + 1];
+        const FrictionCurve& curve = operator_.chain().coefficients().plate_friction;
+        const auto add = [&](int plate, const V& speed, const V& inverse) {
             const float xi = numbers_.plates.position[static_cast<std::size_t>(plate)];
-            const V secant = links_.contact[components.plate(plate)] * inverse_speed, lever = xi * secant;
+            const V secant = links_.contact[components.plate(plate)] * slip_factor<W, Laws>(curve, speed, inverse), lever = xi * secant;
             a += secant;
             b += lever;
             e += xi * lever;
         };
         const auto speed = [&](int plate) {
-            return larger<W>(abs(z + numbers_.plates.position[static_cast<std::size_t>(plate)] * tilt), slowest);
+            return regular_speed<W, Laws>(curve, abs(z + numbers_.plates.position[static_cast<std::size_t>(plate)] * tilt));
         };
         int plate = 0;
         for (; plate + 1 < components.plates; plate += 2) {
-            const Reciprocals<W> inverse(speed(plate), speed(plate + 1));
-            add(plate, inverse.first);
-            add(plate + 1, inverse.second);
+            const V one = speed(plate), other = speed(plate + 1);
+            const Reciprocals<W> inverse(one, other);
+            add(plate, one, inverse.first);
+            add(plate + 1, other, inverse.second);
         }
-        if (plate < components.plates) add(plate, V(1.0) / speed(plate));
+        if (plate < components.plates) add(plate, speed(plate), V(1.0) / speed(plate));
     }
 
     /// All tips at the velocities that they have left each other so far.
@@ -350,8 +354,7 @@ private:
         for (int row = 0; row < link_layout.link_size(); ++row) add_velocity(row, responses_.step * change[row]);
     }
 
-    /// Friction is -c u/(max(|u| - r c, v0) + r c) times the law's factor: u is the slip without this tip's friction, c the limit and r
-    /// the response.
+    /// Friction is -c u/(D + r c) times the law's factor: u is the slip without this tip's friction, c the limit and r the response.
     /// @return change of its force
     [[nodiscard, gnu::always_inline]] AtTip<V> solve_tip(int corner, const AtTip<V>& v, const V& turn) const noexcept {
         const V friction_limit = tips_.contact(corner, Tip::friction_limit), full_slip = responses_.tip * friction_limit;
@@ -359,7 +362,7 @@ private:
         const AtTip<V> without =
             tips_.slip(corner, {v.x - responses_.tip * old.x, v.y - responses_.tip * old.y, v.z - responses_.tip * old.z}, turn);
         const V speed = sqrt(without.square()), lawful = lawful_share(full_slip, speed), lawful_slip = lawful * full_slip;
-        const V factor = -(lawful / (lawful_slip + larger<W>(speed - lawful_slip, V(numbers_.tip_saturation))));
+        const V factor = -(lawful / (lawful_slip + divisor_left<W, Laws>(curve_, speed - lawful_slip, lawful_slip)));
         const V none(0.0);
         const auto held = [&](const V& sliding) { return select_greater<W>(friction_limit, none, factor * sliding, none); };
         const AtTip<V> part{held(without.x), held(without.y), held(without.z)};
@@ -376,13 +379,14 @@ private:
     /// Factor of the tips' law at the sliding speed that friction leaves. @param full_slip sliding that full friction removes [m/s]
     [[nodiscard]] V lawful_share(const V& full_slip, const V& speed) const noexcept {
         if (numbers_.tip_law == nullptr) return V(1.0);
-        return speed_factor<W>(*numbers_.tip_law, braked_speed<W>(*numbers_.tip_law, full_slip, speed, V(numbers_.tip_saturation)));
+        return speed_factor<W>(*numbers_.tip_law, braked_speed<W>(*numbers_.tip_law, full_slip, speed, V(curve_.saturation_speed)));
     }
 
     const FrictionOperator& operator_;
     const LinkLanes<W> links_;
     const FrictionSweep& sweep_;
     const FrictionNumbers& numbers_ = operator_.numbers();
+    const FrictionCurve& curve_ = operator_.chain().coefficients().tip.friction;
     const SweepResponses& responses_ = *sweep_.responses;
     const TipContacts<W> tips_{links_};
     const KeptForces<W, float> friction_{links_, links_.rows_of(*sweep_.kept)};
@@ -480,8 +484,11 @@ inline void sweep_links(const FrictionOperator& friction, const ContactField& fi
                         const FrictionSweep& sweep) noexcept {
     const int links = range.last - range.first;
     if (sweep.part == SweepPart::opening && friction.numbers().filter_waves()) filter_waves(friction, field, range, sweep);
-    over_groups(0, links + 1, [&]<int W>(int group) { JointSweep<W>(friction, {field, range, group}, sweep).run(); });
-    over_groups(0, links, [&]<int W>(int group) { LinkSweep<W>(friction, {field, range, group}, sweep).run(); });
+    FrictionLaws::visit(friction.chain().coefficients().tip.friction.law, [&](auto law) {
+        using Laws = LawList<decltype(law)>;
+        over_groups(0, links + 1, [&]<int W>(int group) { JointSweep<W, Laws>(friction, {field, range, group}, sweep).run(); });
+        over_groups(0, links, [&]<int W>(int group) { LinkSweep<W, Laws>(friction, {field, range, group}, sweep).run(); });
+    });
 }
 
 }  // namespace

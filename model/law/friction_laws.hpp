@@ -146,6 +146,23 @@ template <int W, class Laws = FrictionLaws>
     return Laws::visit(curve.law, [&](auto law) { return law.template share<W>(curve, velocity); });
 }
 
+/// Divisor v/s(v) of the secant at the speed v ≥ 0 that friction leaves a contact: v + b s(v) = left + b, b the speed that friction of full
+/// strength takes. Newton's method from below, where it cannot overshoot: s is concave. Four steps find s to 5e-5 with b = 1000 v0. [m/s]
+/// @param left what that would leave, may be below 0 [m/s]   @param braking b [m/s]
+template <int W, class Laws = FrictionLaws>
+[[nodiscard]] inline Lanes<W> divisor_left(const FrictionCurve& curve, const Lanes<W>& left, const Lanes<W>& braking) noexcept {
+    return Laws::visit(curve.law, [&](auto law) {
+        if constexpr (law.law == FrictionLaw::piecewise) return larger<W>(left, Lanes<W>(curve.saturation_speed));
+        Lanes<W> v = positive_part<W>(left);
+        for (int step = 0; step < 4; ++step) {
+            const Lanes<W> missing = left - v + braking * (1.0 - law.template share<W>(curve, v));
+            v = positive_part<W>(v + missing / (1.0 + braking * law.template tangent<W>(curve, v)));
+        }
+        const Lanes<W> divisor = law.template divisor<W>(curve, v);
+        return 1.0 / law.template secant<W>(curve, divisor, 1.0 / divisor);
+    });
+}
+
 /// Factor by sliding speed ≥ 0 [m/s]. Every interval adds what it gains below the speed, so no lane has to find its interval.
 template <int W>
 [[nodiscard]] inline Lanes<W> speed_factor(const TipLaw& law, const Lanes<W>& speed) noexcept {

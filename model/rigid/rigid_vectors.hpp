@@ -185,18 +185,6 @@ private:
     std::array<std::array<Forces, 2>, 2> on_;  ///< forces by shaft and side
 };
 
-/// Sliding speed v that solves v + r C s(v) = w, with the law's share s: the contact slides by w without friction, and friction C s slows
-/// it by r C s. The left side is concave, so Newton's method climbs towards the solution from below.
-template <int W>
-[[nodiscard]] inline Lanes<W> sliding_speed(const FrictionCurve& curve, const Lanes<W>& braking, const Lanes<W>& speed) noexcept {
-    Lanes<W> v = larger<W>(speed - braking, speed / (1.0 + curve.inverse_saturation_speed * braking));
-    for (int iteration = 0; iteration < 3; ++iteration) {
-        const Lanes<W> excess = v + braking * friction_share<W>(curve, v) - speed;
-        v -= excess / (1.0 + braking * slip_tangent<W>(curve, v));
-    }
-    return positive_part<W>(v);
-}
-
 /// Friction per free sliding velocity, so that F = -factor u.
 /// @param capacity C = μ N, most friction [N]   @param response r of the sliding velocity to friction [m/s/N]
 /// @param speed |u| of the velocity without friction [m/s]
@@ -207,8 +195,7 @@ template <int W>
     if (curve.law == FrictionLaw::piecewise) {  // the speed is known: D = max(|u| - r C, v0)
         return capacity / larger<W>(speed, curve.saturation_speed + braking);
     }
-    const Lanes<W> secant = slip_factor<W>(curve, sliding_speed<W>(curve, braking, speed));
-    return capacity * secant / (1.0 + braking * secant);
+    return capacity / (divisor_left<W>(curve, speed - braking, braking) + braking);
 }
 
 }  // namespace

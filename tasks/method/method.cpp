@@ -84,8 +84,7 @@ std::string no_method(std::string_view method) {
     if (belongs_to_laboratory(method) && further_methods().programs == nullptr)
         return fmt::format("{} belongs to the laboratory: cvtflow-lab run SCENE --method {}", method, method);
     if (method == "leapfrog-chebyshev")
-        return fmt::format("no method '{}' any more: leave run.method out, or take dumka3 for the smoothed law and for stick and slip",
-                           method);
+        return fmt::format("no method '{}' any more: leave run.method out, or take dumka3 for stick and slip", method);
     const std::string near = engine::closest(method, method_names());
     return fmt::format("no method '{}' ({})", method, near.empty() ? "cvtflow list methods" : fmt::format("did you mean '{}'?", near));
 }
@@ -164,8 +163,8 @@ std::span<const AutomaticChoice> automatic_choices() noexcept {
         AutomaticChoice{"leapfrog-rigid", "rigid pins",
                         [](const model::Parameters& parameters) { return parameters.detail.pins == model::PinDetail::rigid; }},
         AutomaticChoice{"rk4", "pin halves in chains of fewer than 12 pins", has_few_pins},
-        AutomaticChoice{"leapfrog-sweep", "pin halves with the piecewise friction law", sweeps_suit},
-        AutomaticChoice{"dumka3", "a rounded corner of the law, stick and slip, saturation speeds below a hundredth of the usual ones",
+        AutomaticChoice{"leapfrog-sweep", "pin halves without phases stick and slip", sweeps_suit},
+        AutomaticChoice{"dumka3", "stick and slip, saturation speeds below a hundredth of the usual ones",
                         [](const model::Parameters&) { return true; }},
     };
     return choices;

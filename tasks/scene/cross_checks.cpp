@@ -351,9 +351,6 @@ constexpr Row rows[] = {
              return Violation{
                  fmt::format("tip.friction_memory: requires method leapfrog-rigid (detail.pins = \"rigid\"), not {}", method_of(s))};
          }},
-    {also, [](const Scene& s) { return has_tip_law(s) && has_rigid_pins(s); },
-     [](const Scene& s) { return s.parameters.detail.friction == model::FrictionLaw::piecewise; },
-     "tip.friction_law: detail.pins = \"rigid\" takes it with detail.friction = \"piecewise\" only"},
     {.keys = "imperfection.attachment imperfection.runout imperfection.misalignment imperfection.unbalance imperfection.pin_length_spread "
              "detail.pulleys",
      .find = imperfections_have_pulleys},

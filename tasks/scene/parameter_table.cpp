@@ -411,9 +411,8 @@ std::span<const Parameter> parameter_table() {
      "(its elastic energy differs by more than 1 %) is not used: the run settles anew."},
 
     {"run.method", "", 0, 0, {}, of<&RunSettings::method>,
-     "Integration method, a name from the catalogue; auto: by detail and friction law, leapfrog-rigid for rigid pins, leapfrog-sweep for "
-     "pin halves with the piecewise law, rk4 for fewer than 12 pins, otherwise (a rounded corner, stick and slip) dumka3: our leapfrogs "
-     "know only the piecewise law of tips that touch (cvtflow list methods)."},
+     "Integration method, a name from the catalogue; auto: leapfrog-rigid for rigid pins, leapfrog-sweep for pin halves, rk4 for fewer "
+     "than 12 pins, dumka3 for stick and slip or very low saturation speeds (cvtflow list methods)."},
     {"run.step", "s", 1e-12, 1e-2, {"auto"}, of<&RunSettings::step>,
      "Time step; with run.step_control = \"error\" the longest one. auto: 0.85 of the stability limit, evaluated every ms (cvtflow "
      "check)."},

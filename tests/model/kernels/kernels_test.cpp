@@ -245,7 +245,14 @@ std::vector<oracle::Case> cases() {
     Parameters points = oracle::small_scene(), three = points;
     points.detail.joint_points = 8;
     three.detail.joint_points = 3;
-    return {{"eight points", points}, {"three points", three}, {"the baseline, longer than what is computed together", Parameters{}}};
+    Parameters corner = three, parabola = points;
+    corner.detail.friction = parabola.detail.friction = FrictionLaw::smoothed;
+    parabola.detail.smoothing = 0.9;
+    return {{"eight points", points},
+            {"three points", three},
+            {"three points, a rounded corner", corner},
+            {"eight points, nearly a parabola", parabola},
+            {"the baseline, longer than what is computed together", Parameters{}}};
 }
 
 /// A float has 6e-8 of itself; forces of the contacts of a link, some of which cancel, are added up: 2e-6 of the largest. A joint's depth δ

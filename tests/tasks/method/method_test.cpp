@@ -51,7 +51,7 @@ TEST(AutomaticMethod, IsChosenByDetailFrictionLawAndSaturationSpeeds) {
           {{"detail.plates=each", "detail.joint_points=8"}, "leapfrog-sweep"},
           {{"detail.pins=rigid"}, "leapfrog-rigid"},
           {{"detail.pins=rigid", "detail.friction=smoothed"}, "leapfrog-rigid"},
-          {{"detail.friction=smoothed"}, "dumka3"},
+          {{"detail.friction=smoothed"}, "leapfrog-sweep"},
           {{"detail.stick_slip=true"}, "dumka3"},
           {{"tip.saturation_speed=1e-3", "joint.saturation_speed=5e-4", "plate.saturation_speed=1e-3"}, "leapfrog-sweep"},
           {{"tip.saturation_speed=1e-5"}, "dumka3"},
@@ -63,7 +63,6 @@ TEST(AutomaticMethod, HasRowsOfTheCatalogueOfWhichTheLastSuitsEveryMachine) {
     const auto rows = automatic_choices();
     for (const AutomaticChoice& row : rows) EXPECT_TRUE(may_be_method(row.method)) << row.method;
     model::Parameters odd;
-    odd.detail.friction = model::FrictionLaw::smoothed;
     odd.detail.stick_slip = true;
     EXPECT_TRUE(rows.back().suits(odd));
     for (const AutomaticChoice& row : rows) {
@@ -90,7 +89,7 @@ TEST(AutomaticMethod, IsResolvedOnceWhenASimulationIsMade) {
 TEST(AutomaticMethod, DecidesWhetherAnotherSceneFits) {
     const Simulation simulation(claims::ready_scene("baseline", {"run.schedule=serial"}));
     EXPECT_TRUE(fits(simulation, claims::ready_scene("baseline", {"run.method=leapfrog-sweep"})));
-    EXPECT_FALSE(fits(simulation, claims::ready_scene("baseline", {"detail.friction=smoothed"})));
+    EXPECT_FALSE(fits(simulation, claims::ready_scene("baseline", {"detail.stick_slip=true"})));
 }
 
 /// Hash of the state after some steps of tiny as it settles; "none" where the method does not take the machine.

@@ -95,9 +95,7 @@ TEST(SweepLeapfrog, LeavesRunOutThatMovesFlanksFarToOtherMethods) {
     EXPECT_FALSE(sweeps_suit(parameters)) << "0.5 mm";
 }
 
-TEST(SweepLeapfrog, RefusesARoundedCornerOfTheLawAndStickAndSlip) {
-    EXPECT_THAT(message_of_settings(ready_tiny(), {"run.method=leapfrog-sweep", "detail.friction=smoothed"}),
-                testing::HasSubstr("leapfrog-sweep' requires detail.friction = \"piecewise\""));
+TEST(SweepLeapfrog, RefusesStickAndSlip) {
     EXPECT_THAT(message_of_settings(ready_tiny(), {"run.method=leapfrog-sweep", "detail.stick_slip=true"}),
                 testing::HasSubstr("leapfrog-sweep' requires detail.stick_slip = false"));
 }
