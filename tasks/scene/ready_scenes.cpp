@@ -104,7 +104,7 @@ std::vector<ReadyScene> ready_sweeps() { return ready_files("sweeps"); }
 
 fs::path find_scene(const std::string& argument) {
     std::error_code unreadable;
-    if (argument.find('/') != std::string::npos || argument.ends_with(".toml") || fs::is_regular_file(argument, unreadable))
+    if (argument.find('/') != std::string::npos || (fs::exists(argument, unreadable) && !fs::is_directory(argument, unreadable)))
         return argument;
     std::vector<std::string> names;
     for (const ReadyScene& scene : ready_scenes()) {
@@ -118,6 +118,7 @@ fs::path find_scene(const std::string& argument) {
     for (const fs::directory_entry& file : fs::directory_iterator(".", unreadable))
         if (file.path().extension() == ".toml") names.push_back(file.path().filename().string());
     const std::string near = engine::closest(argument, names);
+    if (near.empty() && argument.ends_with(".toml")) return argument;  // which does not exist
     const std::string hint = near.empty() ? "cvtflow list scenes" : fmt::format("did you mean '{}'?", near);
     throw SceneError(fmt::format("no scene '{}' ({})", argument, hint));
 }

@@ -42,7 +42,7 @@ ON_THE_COMMAND_LINE = (
 IN_SCENES = (
     ("run basline", 1, "no scene 'basline' (did you mean 'baseline'?)"),
     ("run zzzzzzz", 1, "no scene 'zzzzzzz' (cvtflow list scenes)"),
-    ("run broken.tml", 1, "no scene 'broken.tml' (did you mean 'broken.toml'?)"),
+    ("run brokn.toml", 1, "no scene 'brokn.toml' (did you mean 'broken.toml'?)"),
     ("run missing.toml", 1, "missing.toml: cannot be read: No such file or directory"),
     ("run ./folder", 1, "./folder: cannot be read: a folder, not a file"),
     ("run broken.toml", 1, BROKEN),

@@ -172,8 +172,7 @@ LoadedScene load_scene(const SceneArguments& arguments) {
 
 tasks::Sweep load_sweep(const std::string& path) {
     std::error_code unreadable;
-    if (path.find('/') != std::string::npos || path.ends_with(".toml") || std::filesystem::exists(path, unreadable))
-        return tasks::read_sweep(path, tasks::find_scene);
+    if (path.find('/') != std::string::npos || std::filesystem::exists(path, unreadable)) return tasks::read_sweep(path, tasks::find_scene);
     std::vector<std::string> names;
     for (const tasks::ReadyScene& ready : tasks::ready_sweeps()) {
         if (ready.name == path) return tasks::read_sweep(ready.path.string(), tasks::find_scene);

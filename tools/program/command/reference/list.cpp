@@ -29,7 +29,7 @@ namespace {
 
 /// The recommended methods, and what each is for.
 constexpr std::pair<const char*, const char*> choices[] = {
-    {"leapfrog-sweep", "one evaluation of all forces a step, friction solved for contact by contact; pin halves, piecewise friction law"},
+    {"leapfrog-sweep", "one evaluation of all forces a step, friction solved for contact by contact; pin halves, every friction law"},
     {"leapfrog-rigid", "one evaluation of all forces a step, friction solved for where it acts; rigid pins, every friction law"},
     {"dumka3", "explicit, stages by the spectrum, steps also by local error (run.step_control = \"error\"); every friction law"},
     {"dumka3-p5", "explicit, fixed steps, 2 us at full detail: friction is not split off; a sixth of the cost of rk4"},
