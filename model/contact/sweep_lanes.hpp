@@ -192,8 +192,7 @@ private:
         rates.e += responses_.joint_tilt[at_g] * push;
     }
 
-    /// The divisor D = v/s of the law at the sliding speed of a point: Σ (without/(D + full))² = s², one step of Newton's method from the
-    /// last one on, as for a point with the same response in both directions.
+    /// D = v/s of the law at a point's sliding speed v: Σ (without/(D + full))² = s², one step of Newton's method from the last one on.
     [[nodiscard]] V sliding_speed(int g, const V (&without)[2], const V (&full)[2]) const noexcept {
         const int row = friction_.rows.joint_speed(g);
         const V from = larger<W>(friction_.now[row], V(curve_.saturation_speed));

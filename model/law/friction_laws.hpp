@@ -158,8 +158,7 @@ template <int W, class Laws = FrictionLaws>
             const Lanes<W> missing = left - v + braking * (1.0 - law.template share<W>(curve, v));
             v = positive_part<W>(v + missing / (1.0 + braking * law.template tangent<W>(curve, v)));
         }
-        const Lanes<W> divisor = law.template divisor<W>(curve, v);
-        return 1.0 / law.template secant<W>(curve, divisor, 1.0 / divisor);
+        return 1.0 / slip_factor<W, Laws>(curve, v);
     });
 }
 

@@ -192,9 +192,7 @@ template <int W>
 [[nodiscard, gnu::always_inline]] inline Lanes<W> friction_factor(const FrictionCurve& curve, const Lanes<W>& capacity,
                                                                   const Lanes<W>& response, const Lanes<W>& speed) noexcept {
     const Lanes<W> braking = response * capacity;
-    if (curve.law == FrictionLaw::piecewise) {  // the speed is known: D = max(|u| - r C, v0)
-        return capacity / larger<W>(speed, curve.saturation_speed + braking);
-    }
+    if (curve.law == FrictionLaw::piecewise) return capacity / larger<W>(speed, curve.saturation_speed + braking);
     return capacity / (divisor_left<W>(curve, speed - braking, braking) + braking);
 }
 

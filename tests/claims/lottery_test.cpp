@@ -61,8 +61,7 @@ bench::LotteryRules brief() {
     return rules;
 }
 
-/// Some of the forty.
-TEST(Lottery, MachinesEndRightOrSayThatTheyDoNot) {
+TEST(Lottery, MachinesEndRightOrSayThatTheyDoNot) {  // some of the forty
     std::vector<long> numbers(40);
     std::iota(numbers.begin(), numbers.end(), 0L);
     for (const long number : cvtflow::test::sample(numbers, cvtflow::test::depth<std::size_t>(2, 10), "lottery")) {

@@ -85,17 +85,7 @@ TEST(KeyRecipe, ItsRowReadsUnitsAndRefusesOthersAndReachesTheDefaultsStep) {
     EXPECT_NE(hash_of(scene, {}), before);
 }
 
-// Recipe "a friction law": one by speed, and one of saturation; a table and the smoothed law are the last that were added.
-
-TEST(LawRecipe, OfSaturationIsInTheDefaultsStep) {
-    for (const char* level : {"rigid", "fine"}) {
-        tasks::Scene scene = scene_at(level);
-        const std::uint64_t before = hash_of(scene, {});
-        scene.parameters.detail.friction = model::FrictionLaw::smoothed;
-        scene.parameters.detail.smoothing = 0.5;
-        EXPECT_NE(hash_of(scene, {}), before) << level;
-    }
-}
+// Recipe "a friction law": one by speed; a table is the last that was added.
 
 TEST(LawRecipe, OfSpeedIsInTheDefaultsStep) {
     for (const char* level : {"rigid", "fine"}) {
