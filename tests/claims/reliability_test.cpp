@@ -190,8 +190,7 @@ TEST(NightlyDefaultErrors, AreWithinWhatIsPromisedWithOutputsEveryTenMicrosecond
 }
 
 TEST(NightlyDefaultErrors, AreWithinWhatIsPromisedOnEveryReadyScene) {
-    for (const char* scene : {"baseline", "overdrive", "control", "load_ramp", "manoeuvre", "shift"}) expect_right(scene);
-    expect_right("low", {}, {halves.reference, 7e-3, halves.efficiency, halves.axial});  // slip jumps by its own size: 3e-3 by sampling
+    for (const char* scene : {"baseline", "low", "overdrive", "control", "load_ramp", "manoeuvre", "shift"}) expect_right(scene);
 }
 
 TEST(NightlyDefaultErrors, AreWithinWhatIsPromisedAtOtherDetail) {
