@@ -38,9 +38,9 @@ public:
         for (Tip& tip : tips_) place_tip<W>(n_, *tip.half, *tip.side, tip);
     }
 
-    [[nodiscard]] bool free() const noexcept {
+    [[nodiscard]] bool free(int block) const noexcept {
         const V front = larger<W>(tips_[0].depth, tips_[1].depth), rear = larger<W>(tips_[2].depth, tips_[3].depth);
-        return all_at_most<W>(larger<W>(front, rear), 0.0);
+        return all_at_most<pin_width>(pins_.piece(larger<W>(front, rear), block), 0.0);
     }
 
     void bound(TipBounds<W>& bounds) const noexcept {
@@ -52,10 +52,8 @@ public:
         for (std::size_t k = 0; k < rigid_tips; ++k) pins_.write(tip_.depth[k], depth(k));
     }
 
-    void release() noexcept {
-        pins_.over_blocks([&](int block) {
-            for (const auto& part : tip_.written_rows()) pins_.columns().clear(part, pins_[block].first, rigid_lanes);
-        });
+    void release(int block) noexcept {
+        for (const auto& part : tip_.written_rows()) pins_.columns().clear(part, pins_[block].first, rigid_lanes);
     }
 
     /// Normal forces; and forces along z with the friction of the last step.
@@ -285,6 +283,7 @@ private:
 class HeldTips {
     static constexpr int W = tip_width;
     using Group = TipGroup<W>;
+    using Pins = PinBlocks<W>;
 
 public:
     HeldTips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick) noexcept : numbers_(c, sheaves, kick) {
@@ -292,12 +291,25 @@ public:
     }
 
     [[gnu::noinline]] void press(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, const PinColumns& columns,
-                                 const typename PinBlocks<W>::Blocks& blocks) noexcept {
+                                 const Pins::Blocks& blocks) noexcept {
         Group& group = *new (groups() + count_) Group(c, numbers_, sheaves, kick, columns, blocks);
         group.place();
         group.bound(bounds_);
         if (!is_single<W>) group.show_depths();
-        if (group.free()) return group.release();
+        Pins::Blocks alone{};
+        int left = 0;
+        for (int block = 0; block < Pins::count; ++block) {
+            if (group.free(block)) {
+                group.release(block);
+            } else {
+                ++left, alone.front() = blocks[static_cast<std::size_t>(block)];
+            }
+        }
+        if (left == 0) return;
+        if (left < Pins::count) {  // pins that have left their sheaves have no friction, whatever is computed beside them
+            alone.back() = {alone.front().first, 0};
+            return press(c, sheaves, kick, columns, alone);
+        }
         group.press(sheaves, account_);
         ++count_;
     }
