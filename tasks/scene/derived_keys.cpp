@@ -36,7 +36,7 @@ constexpr std::string_view floor_keys[] = {"clamping.driven", "hydraulics.driven
 
 /// Takes the gains of control.gains = "found" (model/EQUATIONS.md section 8, which states their margins).
 void find_gains(const Scene& scene, model::Control& control) {
-    constexpr double fastest = 60.0, slowest = 0.5;                           // [1/s, s]
+    constexpr double fastest = 60.0;                                          // [1/s]
     constexpr double softening = 100.0, gain_margin = 2.0, separation = 4.0;  // [rad/s]; [1]; of both parts' time constants [1]
     const model::Parameters& p = scene.parameters;
     const double clamping = driven_clamping_at_start(p), speed = model::scaling_speed(p), rate_of_ratio = ratio_mobility * speed / clamping;
@@ -45,7 +45,7 @@ void find_gains(const Scene& scene, model::Control& control) {
     const double rate = valves ? std::min(fastest, 1.0 / (separation * p.hydraulics.valve_lag)) : fastest;
     const double bound = elastic_stiffness(p) * speed / (speed + softening) / gain_margin;
     control.proportional = std::min(rate / rate_of_ratio, bound);
-    control.integral = control.proportional / std::max(slowest, separation / (control.proportional * rate_of_ratio));
+    control.integral = control.proportional * (control.proportional * rate_of_ratio / separation);
 }
 
 }  // namespace
