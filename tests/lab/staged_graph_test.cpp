@@ -10,19 +10,6 @@
 namespace cvtflow::tasks {
 namespace {
 
-/// The staged graph without one edge.
-engine::TaskGraph without_edge(const engine::TaskGraph& whole, int before, int after) {
-    engine::TaskGraph graph;
-    for (int task = 0; task < whole.size(); ++task) graph.add(whole.task(task));
-    for (int task = 0; task < whole.size(); ++task) {
-        for (const int successor : whole.successors(task)) {
-            if (task != before || successor != after) graph.order(task, successor);
-        }
-    }
-    graph.freeze();
-    return graph;
-}
-
 /// Whether two tasks touch the same elements and one of them writes.
 bool share_data(const engine::Task& a, const engine::Task& b) {
     for (const engine::Access& x : a.accesses) {
@@ -43,7 +30,7 @@ TEST(StepGraph, RemovingAnyEdgeOnWhichDataFlowIsFoundByTheRaceCheck) {
         for (const int after : graph.successors(before)) {
             // No stage is skipped, so a removed edge leaves no other path between its ends.
             const bool matters = share_data(graph.task(before), graph.task(after));
-            EXPECT_EQ(!engine::race_check(without_edge(graph, before, after)).empty(), matters)
+            EXPECT_EQ(!engine::race_check(engine::test::without_edge(graph, before, after)).empty(), matters)
                 << graph.task(before).name << " -> " << graph.task(after).name;
             ++(matters ? with_data : barriers);
         }

@@ -249,26 +249,24 @@ class Accidents(_Works):
     def test_beside_a_frozen_process_another_waits_for_it_and_both_have_the_same_result(self):
         self.begin("batch")
         frozen = self.start(BATCH)
-        child = []
 
-        def freeze_in_a_case():
-            child[:] = read(f"/proc/{frozen.pid}/task/{frozen.pid}/children").split()
-            for each in child:
-                os.kill(int(each), signal.SIGSTOP)
+        def send(what):
+            for child in read(f"/proc/{frozen.pid}/task/{frozen.pid}/children").split():
+                os.kill(int(child), what)
+
+        def freezes_in_a_case():  # between two cases there is nothing to wait for
+            send(signal.SIGSTOP)
             time.sleep(0.01)
-            claimed = {int(each) for each in os.listdir("out/claims") if each.isdigit()} if os.path.exists("out/claims") else set()
-            if 1 <= len(claimed - set(cases_of("out"))) and cases_of("out"):
+            if cases_of("out") and {int(each.name) for each in Path("out/claims").glob("[0-9]*")} - cases_of("out").keys():
                 return True
-            for each in child:  # between two cases there is nothing to wait for
-                os.kill(int(each), signal.SIGCONT)
-            return False
+            send(signal.SIGCONT)
 
-        self.assertTrue(eventually(freeze_in_a_case))
+        self.assertTrue(eventually(freezes_in_a_case))
         other = self.start(BATCH)
         self.assertTrue(eventually(lambda: len(cases_of("out")) >= 11))
         time.sleep(0.3)
         self.assertIsNone(other.poll(), "it waits for the last case")
-        os.kill(int(child[0]), signal.SIGCONT)
+        send(signal.SIGCONT)
         self.assertEqual(*(hash_in(self.wait(each).out) for each in (frozen, other)))
         self.right("batch")
 

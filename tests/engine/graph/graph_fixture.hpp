@@ -100,4 +100,17 @@ inline TaskGraph diamond(int skip = -1) {
     return graph;
 }
 
+/// A graph without the order of a pair of its tasks.
+inline TaskGraph without_edge(const TaskGraph& whole, int before, int after) {
+    TaskGraph graph;
+    for (int task = 0; task < whole.size(); ++task) graph.add(whole.task(task));
+    for (int task = 0; task < whole.size(); ++task) {
+        for (const int successor : whole.successors(task)) {
+            if (task != before || successor != after) graph.order(task, successor);
+        }
+    }
+    graph.freeze();
+    return graph;
+}
+
 }  // namespace cvtflow::engine::test

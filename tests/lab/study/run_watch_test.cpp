@@ -6,30 +6,19 @@
 #include <vector>
 
 #include "tasks/run/simulation.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 #include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
-class Watching final : public RunObserver {
-public:
-    explicit Watching(const Simulation& simulation) : observer_(simulation.workspace().variator) {}
-    void output(double time, const Workspace& workspace, const Counters&) override {
-        watch.add(workspace.observed_by(observer_, time), workspace);
-    }
-    void transition(const TransitionRecord&) override {}
-    bench::RunWatch watch;
-
-private:
-    model::Observer observer_;
-};
-
 bench::WatchResult watched(const std::vector<std::string>& settings, double duration) {
     Simulation simulation(test::settled_tiny(settings));
-    Watching observer(simulation);
+    bench::RunWatch watch;
+    Outputs observer = observed_outputs(simulation, [&](double, const auto& now) { watch.add(now, simulation.workspace()); });
     const engine::Cancellation never;
     EXPECT_FALSE(simulation.advance({.until = simulation.time() + duration}, observer, never));
-    return observer.watch.result(simulation.workspace().energy, simulation.balance_error_ratio());
+    return watch.result(simulation.workspace().energy, simulation.balance_error_ratio());
 }
 
 TEST(RunWatch, KnowsHowLongARunWasInPinPeriods) {

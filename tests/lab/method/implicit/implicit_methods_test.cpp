@@ -10,6 +10,7 @@
 #include "tests/claims/method_trial_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/graph/graph_fixture.hpp"
+#include "tests/tasks/run/settled_run_fixture.hpp"
 
 namespace cvtflow::bench {
 namespace {
@@ -62,24 +63,20 @@ TEST(ImplicitMethods, AreStableWhereExplicitOnesAreNot) {
 /// Here a tip is due that has kept its phase long enough by the end of the whole step, but not by the end of the one that is taken again:
 /// cut for it without changing it, and cut again, steps of 1e-14 s continued for ever.
 TEST(ImplicitMethods, EveryCutChangesATipAlsoWhereTheStepIsTakenAgain) {
-    struct Seen final : RunObserver {
-        void output(double, const Workspace&, const Counters&) override {}
-        void transition(const TransitionRecord&) override { ++transitions; }
-        long transitions = 0;
-    };
     for (const char* method : {"trapezoidal-analytic", "trapezoidal-full", "trapezoidal-frozen", "trapezoidal-schubert"}) {
         SCOPED_TRACE(method);
         Simulation simulation(implicit_scene(method, {"detail.stick_slip=true", "start.settling_time=50us", "start.ramp_time=50us",
                                                       "run.step=1.4285714285714286us", "run.output_interval=10us"}));
         EXPECT_FALSE(simulation.integrator().method().bytes().has_value()) << "not counted, and the summary states it";
-        Seen seen;
+        long transitions = 0;
+        Outputs seen({}, [&](const TransitionRecord&) { ++transitions; });
         const engine::Cancellation never;
         ASSERT_FALSE(simulation.advance({.until = 0.0, .steps = 3000}, seen, never));
         const Counters& c = simulation.counters();
         EXPECT_EQ(c.steps - c.truncated, 35);
         EXPECT_GT(c.truncated, 10);
         EXPECT_LE(c.truncated, c.detected);
-        EXPECT_EQ(c.detected, seen.transitions);
+        EXPECT_EQ(c.detected, transitions);
     }
 }
 
@@ -95,28 +92,18 @@ TEST(EveryImplicitMethod, DeclaresAGraphWithoutRaces) {
     }
 }
 
-/// Counts allocations from one output to the next.
-class Allocations final : public RunObserver {
-public:
-    void output(double, const Workspace&, const Counters&) override {
-        if (++outputs_ > 1) between += engine::test::allocation_count() - before_;
-        before_ = engine::test::allocation_count();
-    }
-    void transition(const TransitionRecord&) override {}
-    long between = 0;
-
-private:
-    long before_ = 0, outputs_ = 0;
-};
-
 TEST(EveryImplicitMethod, AllocatesNothingInTheStepLoop) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     for (const MethodProgram& program : implicit_programs()) {
         Simulation simulation(implicit_scene(program.name), Schedule{});
-        Allocations counter;
+        long between = 0, before = -1;
+        Outputs counter([&](double, const Workspace&, const Counters&) {
+            if (before >= 0) between += engine::test::allocation_count() - before;
+            before = engine::test::allocation_count();
+        });
         const engine::Cancellation never;
         EXPECT_FALSE(simulation.advance({.until = 0.0}, counter, never)) << program.name;
-        EXPECT_EQ(counter.between, 0) << program.name;
+        EXPECT_EQ(between, 0) << program.name;
     }
 }
 

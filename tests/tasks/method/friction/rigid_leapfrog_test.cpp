@@ -115,19 +115,6 @@ TEST(RigidLeapfrog, PressesEveryTipThatIsInsideItsSheave) {
     }
 }
 
-/// The graph without the order of a pair of tasks.
-engine::TaskGraph without(const engine::TaskGraph& whole, int before, int after) {
-    engine::TaskGraph graph;
-    for (int task = 0; task < whole.size(); ++task) graph.add(whole.task(task));
-    for (int task = 0; task < whole.size(); ++task) {
-        for (const int successor : whole.successors(task)) {
-            if (task != before || successor != after) graph.order(task, successor);
-        }
-    }
-    graph.freeze();
-    return graph;
-}
-
 TEST(RigidLeapfrog, TasksDoNotRaceAndEveryOrderIsNeeded) {
     const Parameters p = oracle::with_rigid_pins(oracle::small_scene());
     Workspace workspace(p, Method("leapfrog-rigid").plan(), Partition::equal(p.chain.pins, 1));
@@ -138,7 +125,7 @@ TEST(RigidLeapfrog, TasksDoNotRaceAndEveryOrderIsNeeded) {
     for (int task = 0; task < graph.size(); ++task) {
         for (const int successor : graph.successors(task)) {
             ++orders;
-            EXPECT_FALSE(engine::race_check(without(graph, task, successor)).empty()) << graph.task(task).name;
+            EXPECT_FALSE(engine::race_check(engine::test::without_edge(graph, task, successor)).empty()) << graph.task(task).name;
         }
     }
     EXPECT_EQ(orders, 4);
