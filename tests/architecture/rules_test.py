@@ -194,9 +194,9 @@ class Release(Rules):
     def test_a_new_version_is_written_into_all_of_them(self):
         self.assertEqual(self.release("12.34.56"), (0, "12.34.56\n"))
         self.assertEqual(self.release()[0], 0)
-        for file, words in (("CMakeLists.txt", r"project\(cvtflow VERSION 12.34.56 "), ("debian/changelog", r"\Acvtflow \(12.34.56\) "
-                                                                                                            r"unstable"),
-                            ("api/include/cvtflow/version.hpp", "VERSION_MINOR 34\n")):
+        for file, words in (("CMakeLists.txt", r"project\(cvtflow VERSION 12.34.56 "), ("debian/changelog", r"\Acvtflow \(12.34.56\) unstable"),
+                            ("api/include/cvtflow/version.hpp", r"VERSION_MINOR 34\n(.*\n)*inline namespace v12 "),
+                            ("api/python/cvtflow/_library.py", r'"libcvtflow\.so\.12"\n')):
             self.assertRegex((self.folder / file).read_text(), words)
         self.assertEqual(self.release("12.34")[0], 2, "three numbers")
 

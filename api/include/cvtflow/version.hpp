@@ -1,7 +1,7 @@
 #pragma once
 /// Version of these headers. Semantic: a program built against 0.x runs with the same 0.x, one built against 1.x with every later 1.y.
-/// Before 1.0 the library's name carries the minor version (libcvtflow.so.0.4), and the inline namespace of all names as well, since they
-/// are compiled into hosts. The C interface is promised no less and no more. (Equality with the project's version is a test.)
+/// The library's name (libcvtflow.so.0.4) carries the major version, before 1.0 with the minor one, and so does the inline namespace of all
+/// names, since they are compiled into hosts. The C interface is promised no less and no more. (tools/release writes them.)
 
 #include <cvtflow/cvtflow.h>
 
