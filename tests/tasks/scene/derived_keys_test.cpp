@@ -48,6 +48,8 @@ TEST(FoundGains, KeepTheirPhaseMarginWhereTheLoopIsSlow) {
         const double rate = control.proportional * 0.0051 * speed / 20e3, time = control.proportional / control.integral;
         EXPECT_NEAR(time, 4.0 / rate, 1e-9 * time) << speed;
     }
+    const model::Control idle = controlled_scene({"load.torque=0"}).parameters.control;
+    EXPECT_NEAR(idle.proportional / idle.integral, 1.0, 1e-12) << "without load a faster one hunts";
     const double valves = proportional({"hydraulics.mode=force", "hydraulics.valve_lag=10 ms"}), without = proportional({});
     EXPECT_NEAR(valves / without, 25.0 / 60.0, 1e-9) << "the ratio follows four times as slowly as the valves";
 }
