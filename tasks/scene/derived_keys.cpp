@@ -34,16 +34,9 @@ constexpr std::string_view floor_keys[] = {"clamping.driven", "hydraulics.driven
     return 2.0 * model::portable_sin(p.tip.angle) / model::portable_cos(p.tip.angle) / (inverse * groove_yield(p));
 }
 
-/// The largest load over the torque at which the chain slips by theory; 1 for a load that follows from speeds.
-[[nodiscard]] double load_share(const model::Parameters& p, double clamping) noexcept {
-    if (p.load.mode != model::LoadMode::torque || p.load.linear != 0.0 || p.load.quadratic != 0.0) return 1.0;
-    const auto radii = model::belt_radii(model::chain_length(p.chain), p.start.ratio, p.pulley.centre_distance);
-    return p.load.torque.largest_magnitude() / (clamping * model::grip(p.tip) * (radii ? radii->driven : p.pulley.arc_position));
-}
-
 /// Takes the gains of control.gains = "found" (model/EQUATIONS.md section 8, which states their margins).
 void find_gains(const Scene& scene, model::Control& control) {
-    constexpr double fastest = 60.0, slowest = 1.0, least_load = 0.05;        // [1/s, s, 1]
+    constexpr double fastest = 60.0, slowest = 0.5;                           // [1/s, s]
     constexpr double softening = 100.0, gain_margin = 2.0, separation = 4.0;  // [rad/s]; [1]; of both parts' time constants [1]
     const model::Parameters& p = scene.parameters;
     const double clamping = driven_clamping_at_start(p), speed = model::scaling_speed(p), rate_of_ratio = ratio_mobility * speed / clamping;
@@ -52,8 +45,7 @@ void find_gains(const Scene& scene, model::Control& control) {
     const double rate = valves ? std::min(fastest, 1.0 / (separation * p.hydraulics.valve_lag)) : fastest;
     const double bound = elastic_stiffness(p) * speed / (speed + softening) / gain_margin;
     control.proportional = std::min(rate / rate_of_ratio, bound);
-    const double idle = slowest * std::max(0.0, 1.0 - load_share(p, clamping) / least_load);  // without load the integral part hunts
-    control.integral = control.proportional * std::min(control.proportional * rate_of_ratio / separation, 1.0 / idle);
+    control.integral = control.proportional / std::max(slowest, separation / (control.proportional * rate_of_ratio));
 }
 
 }  // namespace

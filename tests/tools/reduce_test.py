@@ -387,8 +387,6 @@ class OfAScene(unittest.TestCase):
         with open("reduced/map.csv", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual(len(rows), 16)
-        missing = sum(math.isnan(float(row["loss [W]"])) for row in rows)
-        self.assertLessEqual(missing, 2, "without load tensions may swing from pin to pin, and losses are not known to a fortieth")
         for row in rows:
             if float(row["load_share [1]"]) > 0:
                 power = float(row["torque_2 [N*m]"]) * float(row["speed_1 [rad/s]"]) / float(row["ratio [1]"])
@@ -396,8 +394,7 @@ class OfAScene(unittest.TestCase):
                 limit = float(row["torque_2 [N*m]"]) / float(row["load_share [1]"])  # of the theory, since the last load is steady
                 self.assertAlmostEqual(float(row["torque_limit_2 [N*m]"]), limit, delta=1e-5 * limit)
             kinds = sum(float(row[f"loss_{kind} [W]"]) for kind in ("tips", "joints", "plates", "supports"))
-            if float(row["load_share [1]"]) > 0 or not math.isnan(float(row["loss [W]"])):
-                self.assertAlmostEqual(kinds, float(row["loss [W]"]), delta=0.01 * kinds)
+            self.assertAlmostEqual(kinds, float(row["loss [W]"]), delta=0.01 * kinds)
         tables = modelica_tables(Path("reduced/combi_table.txt").read_text())
         self.assertLess({"efficiency_1", "efficiency_2", "slip_1", "thrust_ratio_2", "loss_1"}, set(tables))
         self.assertEqual(tables["efficiency_1"][1:, 0].tolist(), [0.8, 1.25])

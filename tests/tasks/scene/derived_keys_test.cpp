@@ -15,14 +15,13 @@ Scene controlled_scene(const std::vector<std::string>& settings = {}) { return s
 
 double proportional(const std::vector<std::string>& settings) { return controlled_scene(settings).parameters.control.proportional; }
 
-/// The speed at which the ratio follows its force decides from 2000 rpm on, 60/s, and its integral part by a quarter of it:
-/// equation of section 8.
+/// The speed at which the ratio follows its force decides from 2000 rpm on, 60/s: equation of section 8.
 TEST(FoundGains, LetTheRatioFollowAsFastAtEverySpeedThatPermitsIt) {
     for (const double rpm : {2000.0, 4000.0, 20000.0}) {
         const double speed = rpm * std::acos(-1.0) / 30.0;
         const model::Control control = controlled_scene({"drive.speed=" + std::to_string(speed)}).parameters.control;
         EXPECT_NEAR(control.proportional * 0.0051 * speed / 20e3, 60.0, 1e-4) << rpm;  // six digits of the speed
-        EXPECT_NEAR(control.integral, 15.0 * control.proportional, 1e-7 * control.integral);
+        EXPECT_NEAR(control.integral, 2.0 * control.proportional, 1e-9 * control.integral);
     }
 }
 
@@ -46,10 +45,9 @@ TEST(FoundGains, KeepTheirPhaseMarginWhereTheLoopIsSlow) {
     for (const double speed : {1.0, 20.0, 100.0}) {
         const model::Control control = controlled_scene({"drive.speed=" + std::to_string(speed)}).parameters.control;
         const double rate = control.proportional * 0.0051 * speed / 20e3, time = control.proportional / control.integral;
-        EXPECT_NEAR(time, 4.0 / rate, 1e-9 * time) << speed;
+        EXPECT_GE(rate * time, 4.0 * (1.0 - 1e-12)) << speed;
+        EXPECT_NEAR(time, std::max(0.5, 4.0 / rate), 1e-9 * time);
     }
-    const model::Control idle = controlled_scene({"load.torque=0"}).parameters.control;
-    EXPECT_NEAR(idle.proportional / idle.integral, 1.0, 1e-12) << "without load a faster one hunts";
     const double valves = proportional({"hydraulics.mode=force", "hydraulics.valve_lag=10 ms"}), without = proportional({});
     EXPECT_NEAR(valves / without, 25.0 / 60.0, 1e-9) << "the ratio follows four times as slowly as the valves";
 }
