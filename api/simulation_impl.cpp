@@ -265,7 +265,7 @@ void HostSimulation::hold(const model::HeldInputs& held) {
 
 std::vector<std::string> HostSimulation::notices() const {
     std::vector<std::string> lines = start_differences_;
-    std::ranges::move(tasks::idle_keys(scene()), std::back_inserter(lines));
+    std::ranges::copy(tasks::idle_keys(scene()), std::back_inserter(lines));
     const double ratio = simulation_.balance_error_ratio();
     if (!(ratio <= 1.0)) lines.push_back(tasks::unreliable_text(ratio, scene().run.step, simulation_.step()));
     const engine::ThreadShortage threads = engine::thread_shortage();

@@ -21,7 +21,7 @@ std::size_t Archive::heading(std::string_view name, ArchiveType type, std::size_
     std::memcpy(&stored, from_.data() + named, sizeof stored);
     if (stored > (from_.size() - length) / size) refuse(name);
     from_ = from_.subspan(length);
-    return stored;
+    return static_cast<std::size_t>(stored);
 }
 
 void Archive::refuse(std::string_view name) const { throw ArchiveError("it has no valid field '" + std::string(name) + "'"); }

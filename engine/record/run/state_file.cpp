@@ -19,7 +19,7 @@ std::vector<std::byte> first_bytes(const std::string& path, std::uintmax_t most)
     errno = 0;
     std::ifstream file(path, std::ios::binary);
     if (!file) throw RecordError(path + ": " + std::strerror(errno));
-    std::vector<std::byte> bytes(std::min(most, fs::file_size(path, unknown)));
+    std::vector<std::byte> bytes(static_cast<std::size_t>(std::min(most, fs::file_size(path, unknown))));
     file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     bytes.resize(static_cast<std::size_t>(file.gcount()));
     return bytes;
@@ -30,7 +30,7 @@ std::vector<std::byte> first_bytes(const std::string& path, std::uintmax_t most)
 bool is_state_file(const std::string& file) {
     try {
         const std::vector<std::byte> head = first_bytes(file, state_mark.size());
-        return begins_with(head, state_mark) || std::ranges::all_of(head, [](std::byte each) { return each == std::byte{0}; });
+        return begins_with(head, state_mark) || std::ranges::none_of(head, [](std::byte each) { return each != std::byte{0}; });
     } catch (const RecordError&) {
         return false;
     }
