@@ -1,6 +1,5 @@
 #pragma once
-/// A checkpoint, complete for a bitwise continuation: integration, position of its record, and guards against continuing another
-/// run.
+/// A checkpoint, complete for a bitwise continuation: integration, position of its record, and guards against another run.
 ///
 /// The file is a state file (engine/record/run/state_file.hpp): `cvtflow info` reads it, and start.state takes it. It is replaced at once:
 /// the former one exists until the new one is on disk.

@@ -35,8 +35,7 @@ inline constexpr double max_rkc_damping = 100.0;   ///< [1]
 /// The plan named rkc-s<stages>, or rkc-s<stages>-e<damping> if the damping is not the usual one. Stable on the real axis up to about
 /// 0.653 stages² (damping 2/13), 0.35 stages² (10), 0.27 stages² (20); more damping widens the region along the imaginary axis.
 /// Three state slots and two slope slots take turns, whatever the number of stages.
-/// @param damping ε ≥ 0; for small ε, |R| ≤ 1 - ε/3 inside the interval
-/// damping [1]
+/// @param damping ε ≥ 0; for small ε, |R| ≤ 1 - ε/3 inside the interval; damping [1]
 /// @throws std::invalid_argument outside the limits above
 [[nodiscard]] StagePlan rkc(int stages, double damping = rkc_damping);
 

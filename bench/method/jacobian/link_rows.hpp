@@ -24,8 +24,7 @@ namespace {
 inline constexpr int six = directions<6>;
 /// A point of a joint depends on x, y, three rates, and direction and turning of both links, three each.
 inline constexpr int eleven = directions<11>;
-/// A tip depends on the axis as a straight line: five of the half, the link's direction, five rates, the turning, the sheave's
-/// motion.
+/// A tip depends on the axis as a line: five of the half, the link's direction, five rates, the turning, the sheave's motion.
 inline constexpr int two_dozen = directions<24>;
 
 /// A point seen alone: of a difference it has x_0, y_0 and z.

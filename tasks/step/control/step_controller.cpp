@@ -174,7 +174,6 @@ CycleSequence StepController::integrate() {
 }
 
 /// The sheaves for an observe cycle, and whether an observer reads what it leaves. @return false: losses and energies are known
-/// without one
 bool StepController::prepare_observation() noexcept {
     if (w_.energy.counted()) return false;
     if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.states[0] + w_.layout().pulley_begin(), w_.pulleys.observed_sheaves);

@@ -1,6 +1,5 @@
 /// Loads of the shafts in a run; each continues bit for bit. Coupled to far ends: their energy. With drag: where its energy comes from and
-/// what the efficiency makes of it. A vehicle behind shaft 2: it coasts down as the closed form has it, and shafts give what a cycle
-/// needs.
+/// what the efficiency makes of it. A vehicle behind shaft 2 coasts down as the closed form has it; in a cycle shafts give what it needs.
 
 #include <gtest/gtest.h>
 

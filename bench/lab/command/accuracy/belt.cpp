@@ -105,10 +105,9 @@ Action declare_belt(CLI::App& app) {
         ->check(CLI::Range(0.0, 10.0));
     declare_output(app, arguments->output);
     app.footer(
-        "A continuous belt with Coulomb friction in two directions between sheaves that tilt (Carbone, Mangialardi and Mantriota 2005), "
-        "with\n"
-        "the scene's machine, driven clamping force, speed and load at t = 0. docs/validation.md has its equations and its results beside\n"
-        "those of the chain. Files: belt.csv (a row per point), arcs.csv (forces and sliding along both arcs).");
+        "A continuous belt with Coulomb friction in two directions between sheaves that tilt (Carbone, Mangialardi and Mantriota 2005),\n"
+        "with the scene's machine, driven clamping force, speed and load at t = 0. docs/validation.md has its equations and its results\n"
+        "beside those of the chain. Files: belt.csv (a row per point), arcs.csv (forces and sliding along both arcs).");
     return [arguments] { return belt(*arguments); };
 }
 

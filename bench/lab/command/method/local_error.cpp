@@ -105,8 +105,7 @@ Action declare_local_error(CLI::App& app) {
     declare_fresh_start(app, arguments->scene);
     declare_output(app, arguments->output);
     app.footer(
-        "Relative errors in the Euclidean norm against rk4 over the same time, in 32 steps of at most 12.5 ns, from the scene's settled "
-        "start.\n"
+        "Relative errors in the Euclidean norm against rk4 over the same time, in 32 steps of at most 12.5 ns, from the settled start.\n"
         "slope: logarithmic slope of the error over the step length, between a row and the one above; 0 at the level of rounding.\n"
         "cut: a transition ended the step (only methods that are programs).");
     return [arguments] { return local_error(*arguments); };

@@ -125,14 +125,11 @@ ExitStatus run_spectrum(const SpectrumArguments& arguments) {
 
 constexpr const char* spectrum_explanation =
     "Phases are fixed; the Jacobian is computed by central differences. --extremal finds the eigenvalues with Re < -1e6 1/s and the pair\n"
-    "of the highest frequency, by Arnoldi's method, and draws their number over the rate of decay; the dense method finds all, drawn in "
-    "the\n"
-    "complex plane. The largest stable step keeps every eigenvalue inside the method's stability region. For tables of stages, steps of "
-    "the\n"
-    "full equations confirm it: velocities are disturbed by 1e-9 m/s, and the disturbance must not grow. For methods that are programs it "
-    "is\n"
-    "the one that cvtflow check states. --attribute: eigenvalues are proportional to 1/v0 of the contact that causes them, so a small\n"
-    "change of v0 identifies it.";
+    "of the highest frequency, by Arnoldi's method, and draws their number over the rate of decay; the dense method finds all, drawn in\n"
+    "the complex plane. The largest stable step keeps every eigenvalue inside the method's stability region. For tables of stages, steps\n"
+    "of the full equations confirm it: velocities are disturbed by 1e-9 m/s, and the disturbance must not grow. For methods that are\n"
+    "programs it is the one that cvtflow check states. --attribute: eigenvalues are proportional to 1/v0 of the contact that causes them,\n"
+    "so a small change of v0 identifies it.";
 
 }  // namespace
 

@@ -155,10 +155,9 @@ ExitStatus stability(const StabilityArguments& arguments) {
 
 constexpr const char* stability_explanation =
     "real, imag, ray: extent of |R(z)| <= 1 along the axes and along rays of that damping ratio. With --scene also growth, gain: largest\n"
-    "stage value and largest amplification of a stage's error over the scene's decays at the largest stable step; and that step, "
-    "predicted\n"
-    "from the eigenvalues and confirmed by steps about the state (cvtflow-lab spectrum --help). Maps show eigenvalues times the largest\n"
-    "stable step, or times --step; --all includes the inner ones (one or two minutes at full detail).";
+    "stage value and largest amplification of a stage's error over the scene's decays at the largest stable step; and that step,\n"
+    "predicted from the eigenvalues and confirmed by steps about the state (cvtflow-lab spectrum --help). Maps show eigenvalues times the\n"
+    "largest stable step, or times --step; --all includes the inner ones (one or two minutes at full detail).";
 
 }  // namespace
 
