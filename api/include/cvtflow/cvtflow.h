@@ -4,7 +4,7 @@
  *
  * Stability (version.hpp): a program built against 0.x runs with every 0.x.y, whose library is named
  * libcvtflow.so.0.x; one built against 1.x with every later 1.y. Within that, functions are never removed or changed, only added (symbol
- * version CVTFLOW_0). Structs that grow begin with their size in bytes, set by the caller (CVTFLOW_INIT does it): the library touches no
+ * version CVTFLOW_1). Structs that grow begin with their size in bytes, set by the caller (CVTFLOW_INIT does it): the library touches no
  * member beyond it.
  *
  * Errors. Functions that can fail return a code, CVTFLOW_OK = 0, and fill the message, the last argument, which may be NULL. Nothing else
