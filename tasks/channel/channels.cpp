@@ -336,7 +336,7 @@ std::vector<std::string> unknown_channels(std::span<const std::string> names) {
 }
 
 std::string channel_hint(std::string_view unknown) {
-    if (unknown == "balance/suspicion") return " (named balance/error_ratio since 0.4)";
+    if (unknown == "balance/suspicion") return " (named balance/error_ratio since 1.0)";
     std::vector<std::string> names;
     for (const Channel& channel : channels()) names.emplace_back(channel.name);
     return engine::did_you_mean(engine::closest(unknown, names));

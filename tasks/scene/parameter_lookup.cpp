@@ -155,7 +155,7 @@ std::vector<std::string> nearest_keys(std::string_view key) {
 std::string key_hint(std::string_view key) {
     // Keys of earlier versions (docs/stability.md).
     if (key == order_key) return " (pin halves always have order 3: omit the key, or use detail.level = \"fine\" or \"rigid\")";
-    if (key == "detail.mass_scaling") return " (gone since 0.4: masses are those of the machine; omit the key)";
+    if (key == "detail.mass_scaling") return " (gone since 1.0: masses are those of the machine; omit the key)";
     return engine::did_you_mean(nearest_keys(key));
 }
 

@@ -175,8 +175,9 @@ class Release(Rules):
 
     def setUp(self):
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
-        for part in ("CMakeLists.txt", "CITATION.cff", "debian", "api/include", "api/python/cvtflow/_library.py", "api/install/cvtflow-config.cmake.in", "docs/embedding.md", "docs/site/api.rst",
-                     "examples/CMakeLists.txt", "tests/api/consumer", "tools/release"):
+        for part in ("CMakeLists.txt", "CITATION.cff", "debian", "api/include", "api/python/cvtflow/_library.py", "docs/embedding.md",
+                     "api/install/cvtflow-config.cmake.in", "docs/site/api.rst", "docs/windows.md", "examples/CMakeLists.txt",
+                     "tests/api/consumer", "tools/release"):
             (self.folder / part).parent.mkdir(parents=True, exist_ok=True)
             (shutil.copytree if (TOP / part).is_dir() else shutil.copy)(TOP / part, self.folder / part)
 

@@ -343,7 +343,7 @@ TEST(DetailPresets, LevelAndOrderOfEarlierVersionsAreErrorsThatNameWhatToUse) {
     EXPECT_EQ(message_of([] { return parse_scene("[detail]\norder = 3\n", "s.toml"); }), "s.toml:2:1: detail.order: " + order);
     Scene scene;
     EXPECT_EQ(message_of_settings(scene, {"detail.level=medium"}), "--set detail.level=medium: detail.level: \"medium\" is " + level);
-    EXPECT_THAT(message_of([] { return parse_scene("[detail]\nmass_scaling = 3\n", "s.toml"); }), testing::HasSubstr("(gone since 0.4: "));
+    EXPECT_THAT(message_of([] { return parse_scene("[detail]\nmass_scaling = 3\n", "s.toml"); }), testing::HasSubstr("(gone since 1.0: "));
     EXPECT_THAT(message_of_settings(scene, {"record.channels=[\"balance/suspicion\"]"}), testing::HasSubstr("(named balance/error_ratio "));
     EXPECT_EQ(message_of_settings(scene, {"detail.order=1"}), "--set detail.order=1: detail.order: " + order);
     EXPECT_EQ(message_of([&] { apply_detail(scene, "medium"); }),
