@@ -13,8 +13,7 @@ public:
     /// Sets all temperatures to the oil's, as in a settled machine.
     /// @param steady  searches the steady temperatures, which do not depend on capacities: these become small
     void restart(const Parameters& parameters, bool steady = false) noexcept;
-    /// Adds the heat of the losses since the last call. Before t = 0 temperatures are constant.
-    /// time [s], lost: losses so far, by kind [J]
+    /// Adds the heat of the losses since the last call. Before t = 0 temperatures are constant. time [s], lost: losses so far, by kind [J]
     void advance(double time, const std::array<double, loss_kinds>& lost) noexcept;
 
     [[nodiscard]] bool enabled() const noexcept { return heat_.enabled; }

@@ -50,8 +50,7 @@ struct RunFileOptions {
 /// flush_seconds have passed they first call HDF5, which allocates inside (RowBlock::write) and writes.
 class RunFile {
 public:
-    /// Creates `<path>.part`.
-    /// Errors: those of require_place(), contents that contradict.
+    /// Creates `<path>.part`. Errors: those of require_place(), contents that contradict.
     RunFile(const OutputFile& file, RunContents contents, RunFileOptions options = {});
     /// Saves what it can if close() was not called, sets the status to "interrupted" unless set_status() was called, leaves the .part file.
     ~RunFile();
