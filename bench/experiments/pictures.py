@@ -7,7 +7,7 @@ import pathlib
 import subprocess
 import sys
 
-MARKS = {"none": "", "dot": "o", "ring": "o", "square": "s", "diamond": "D", "triangle": "^", "cross": "x"}
+MARKS = {"none": "", "dot": "o", "small_dot": ".", "ring": "o", "square": "s", "diamond": "D", "triangle": "^", "cross": "x"}
 PACKAGE = pathlib.Path(__file__).resolve().parent.parent.parent / "api/python/cvtflow"
 
 

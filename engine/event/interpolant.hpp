@@ -7,9 +7,8 @@
 
 namespace cvtflow::engine {
 
-/// Cubic Hermite interpolant of a step from t to t + h: matches y and y' at both ends, error O(h⁴).
-/// Refers to whole state vectors, which must outlive it.
-/// Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.6 (6.7).
+/// Cubic Hermite interpolant of a step from t to t + h: matches y and y' at both ends, error O(h⁴). Refers to whole state vectors, which
+/// must outlive it. Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.6 (6.7).
 struct Interpolant {
     const double* start;        ///< y(t) [unknowns]
     const double* start_slope;  ///< y'(t) [unknowns], per second

@@ -1,7 +1,6 @@
 #pragma once
-/// Rounding and treatment of denormals (of float and double) as in the thread that called run(), so that results do not depend on
-/// which thread computed them. Threads begin with the mode of their creator, but OpenMP's may be older than the run.
-/// Private to this folder.
+/// Rounding and treatment of denormals (of float and double) as in the thread that called run(), so that results do not depend on which
+/// thread computed them. Threads begin with the mode of their creator, but OpenMP's may be older than the run. Private to this folder.
 
 #include <cfenv>
 

@@ -31,6 +31,7 @@ FurtherMethods& further_methods() {
             .slope_slots = 5,
             .make = dumka3_by_spectrum,
             .reach = {.decay = engine::dumka3_reach(engine::dumka3_polynomials - 1)},
+            .longest_step = 0.5e-6,  // decision 75
             .estimates_error = true};
 }
 

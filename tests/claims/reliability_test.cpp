@@ -44,6 +44,7 @@ const std::vector<Row>& rows() {
         {"baseline", {"joint.law=palmgren", "clamping.driven=50 kN", "clamping.driving=67.75 kN"}},
         {"baseline", {"pulley.sheave_mass=0.3 kg"}},
         {"baseline", {"pulley.cylinder_damping=1.4e6"}},
+        {"low", {"detail.stick_slip=true"}},
         {"baseline", {"detail.plates=lumped", "detail.joint_points=2", "detail.pulleys=rigid", "start.state="}},
     };
     return all;
