@@ -39,9 +39,9 @@ enum class ArchiveType : char { real = 'd', single = 'f', count = 'q', word = 'Q
 class Archive {
 public:
     /// Appends fields to bytes, which outlive it.
-    [[nodiscard]] static Archive to(std::vector<std::byte>& bytes) noexcept { return Archive(&bytes, {}); }
+    [[nodiscard]] static Archive to(std::vector<std::byte>& bytes) noexcept { return {&bytes, {}}; }
     /// Reads fields from the beginning of bytes, which outlive it.
-    [[nodiscard]] static Archive from(std::span<const std::byte> bytes) noexcept { return Archive(nullptr, bytes); }
+    [[nodiscard]] static Archive from(std::span<const std::byte> bytes) noexcept { return {nullptr, bytes}; }
 
     [[nodiscard]] bool reads() const noexcept { return to_ == nullptr; }
     /// Bytes that have not been read.
@@ -60,8 +60,6 @@ public:
             as<std::uint8_t>(name, value, 0, 1);
         } else if constexpr (std::is_integral_v<Value> && std::is_signed_v<Value>) {
             as<std::int64_t>(name, value, std::numeric_limits<Value>::min(), std::numeric_limits<Value>::max());
-        } else if constexpr (std::is_arithmetic_v<Value>) {
-            fixed(name, std::span(&value, 1));
         } else if constexpr (std::is_same_v<Value, std::optional<double>>) {
             double number = value.value_or(0.0);
             const std::size_t count = heading(name, ArchiveType::real, sizeof number, value ? 1 : 0);

@@ -10,7 +10,7 @@ namespace cvtflow::engine {
 /// Processors that the calling thread may use, when this was made.
 class Processors {
 public:
-    Processors() noexcept : set_{}, known_(sched_getaffinity(0, sizeof set_, &set_) == 0) {
+    Processors() noexcept : known_(sched_getaffinity(0, sizeof set_, &set_) == 0) {
         if (known_) count_ = std::max(1, CPU_COUNT(&set_));
     }
     /// Number of these processors, at least 1.
@@ -31,7 +31,7 @@ public:
     [[nodiscard]] bool known() const noexcept { return known_; }
 
 private:
-    cpu_set_t set_;
+    cpu_set_t set_{};
     bool known_;
     int count_ = 1;
 };
@@ -40,7 +40,7 @@ private:
 class Pin {
 public:
     /// @param requested false: no effect
-    Pin(bool requested, const Processors& processors, int number) noexcept : before_{}, pinned_(false) {
+    Pin(bool requested, const Processors& processors, int number) noexcept {
         if (!requested || !processors.known() || sched_getaffinity(0, sizeof before_, &before_) != 0) return;
         const cpu_set_t only = processors.only(number);
         pinned_ = sched_setaffinity(0, sizeof only, &only) == 0;
@@ -52,8 +52,8 @@ public:
     Pin& operator=(const Pin&) = delete;
 
 private:
-    cpu_set_t before_;
-    bool pinned_;
+    cpu_set_t before_{};
+    bool pinned_ = false;
 };
 
 }  // namespace cvtflow::engine

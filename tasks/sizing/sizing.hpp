@@ -46,7 +46,7 @@ struct Sizing {
 /// torque [N·m], safety [1]
 [[nodiscard]] Sizing size_for_torque(const Scene& scene, double torque, double safety);
 /// Adds S_1, by the theory of a belt, and what follows from it.
-void size_driving(const Scene& scene, SizedPoint& point);
+void size_driving(const Scene& scene, SizedPoint& at);
 
 /// Sentences on what of a scene lies outside of the ranges in which errors are known (docs/validity.md, whose figures these are), in the
 /// order of the page. Empty: nothing does.

@@ -23,10 +23,10 @@ struct TrialEnd {
     std::vector<double> axial_force, tension;       ///< axial force of every tip, tension of every link [N]
 };
 
-/// Serial run of `method` from `start` over `duration` with the given step.
+/// Serial run of the method `name` from `start` over `duration` with the given step.
 /// step [s]
 /// @throws std::invalid_argument for an unknown method
-[[nodiscard]] TrialEnd try_method(const model::Parameters& parameters, const tasks::FrozenStart& start, const std::string& method,
+[[nodiscard]] TrialEnd try_method(const model::Parameters& parameters, const tasks::FrozenStart& start, const std::string& name,
                                   double step, double duration);
 
 }  // namespace cvtflow::bench

@@ -50,7 +50,7 @@ private:
 
 StableStep largest_stable_step(const engine::StagePlan& plan, std::span<const std::complex<double>> eigenvalues) {
     Judge judge(plan, eigenvalues);
-    const double stages = static_cast<double>(plan.stages.size());
+    const auto stages = static_cast<double>(plan.stages.size());
     double stable = 0.0, unstable = 0.1 / judge.largest();
     const double longest =
         (2.0 * stages * stages + 10.0) / judge.largest();  // no consistent explicit method reaches further on the real axis

@@ -44,6 +44,6 @@ struct FormerRecord {
 
 /// Copies the first rows of a record into a new one of the same contents, which then takes its place.
 /// Errors (RecordError): the former holds less than that, or other numbers, e.g. since it is another run's; other channels; damaged.
-void copy_record(const std::string& former, const RecordPosition& until, const RunContents& contents, RunFile& file);
+void copy_record(const std::string& path, const RecordPosition& until, const RunContents& contents, RunFile& file);
 
 }  // namespace cvtflow::engine
