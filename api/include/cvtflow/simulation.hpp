@@ -230,9 +230,9 @@ public:
         cvtflow_energy_get(get(), &now);
         return {now.residual, now.dissipated, now.error_ratio, now.reliable != 0};
     }
-    /// Warnings, one line each: differences between the scene and the one that its state file was settled with; keys
-    /// without effect; an energy balance that does not close; fewer threads than requested (simulations of this process then run on fewer, down to the
-    /// caller alone, with the same bits).
+    /// Warnings, one line each: differences between the scene and the one that its state file was settled with; keys without effect; an
+    /// energy balance that does not close; fewer threads than requested (simulations of this process then run on fewer, down to the caller
+    /// alone, with the same bits).
     [[nodiscard]] std::vector<std::string> notices() const {
         std::vector<std::string> lines;
         const cvtflow_log_function add = [](const char* line, void* to) { static_cast<std::vector<std::string>*>(to)->emplace_back(line); };
