@@ -14,8 +14,7 @@ namespace cvtflow::tasks {
 
 class ScheduleRunner {
 public:
-    /// One candidate: that is the schedule. Several: serial first; ScheduleChooser chooses among them. Workspace and
-    /// method outlive this.
+    /// One candidate: that is the schedule. Several: serial first; ScheduleChooser chooses among them. Workspace and method outlive this.
     /// @throws std::invalid_argument as the catalogue's make
     ScheduleRunner(Workspace& workspace, StepMethod& method, std::vector<Schedule> candidates, const ChooserOptions& options = {},
                    engine::StampRecorder* recorder = nullptr);

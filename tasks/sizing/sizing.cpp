@@ -161,7 +161,7 @@ void size_driven(const model::Parameters& p, const Pistons& pistons, bool limite
     const double of_radii = controls_ratio(p.control) ? ratio_of_radii(p, at.ratio) : at.ratio;
     if (objection = radii_at(p, of_radii, at.radius); !objection.empty()) return at;
     const double turning = std::abs(at.speed) / at.ratio;
-    const double load = p.load.torque.at(time) + (p.load.linear + p.load.quadratic * turning) * turning;
+    const double load = (at.speed < 0.0 ? -1.0 : 1.0) * p.load.torque.at(time) + (p.load.linear + p.load.quadratic * turning) * turning;
     at.load = load + p.drag.driven.seals + (p.drag.driven.viscous + p.drag.driven.churning * turning) * turning;
     size_driven(p, pistons, true, at, [&](double lever) {
         if (controls_safety(p.control)) {

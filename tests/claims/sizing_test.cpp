@@ -110,6 +110,8 @@ TEST(Sizing, NamesTheWorstInstantAndWhatDecidesThere) {
     EXPECT_NEAR(sizing.points[1].time, 4.1e-3, 1e-6);
     EXPECT_EQ(sizing.points[1].decided, "clamping.driven");
     EXPECT_DOUBLE_EQ(sizing.points[1].clamping[1], 31e3);
+    const tasks::Scene backwards = ready_scene("baseline", {"drive.speed=-2000 rpm", "load.torque=-100", "load.linear=0.1"});
+    EXPECT_NEAR(size_scene(backwards).points.front().load, 100.0 + 0.1 * 2000.0 * 0.10472, 0.1) << "both resist; the ratio is 1";
 }
 
 TEST(Sizing, StatesWhyForcesAreUnknown) {

@@ -14,10 +14,9 @@
 
 namespace cvtflow::engine {
 
-/// A separate arena and context: neither do our threads run the host's tasks while they wait, nor the host's threads ours, nor does
-/// a host that cancels its tasks cancel the step. (A default flow::graph of oneTBB 2021.8 is bound to the host's context.)
-/// The context carries the caller's floating point mode to all threads. A graph is built inside execute(), for it belongs to the arena
-/// in which it is built.
+/// A separate arena and context: neither do our threads run the host's tasks while they wait, nor the host's threads ours, nor does a host
+/// that cancels its tasks cancel the step. (A default flow::graph of oneTBB 2021.8 is bound to the host's context.) The context carries the
+/// caller's floating point mode to all threads. A graph is built inside execute(), for it belongs to the arena in which it is built.
 ///
 /// Or the arena in which the caller already is, isolated: the caller takes none of the host's tasks while it waits.
 ///
